@@ -1,0 +1,141 @@
+// Composite bodies: outwards the motion of each arm at qdd = 0; on the way back the arms beyond
+// each joint as one rigid body, and what its acceleration takes (spec 6).
+#include "arm/composite.hpp"
+
+#include "arm/planar.hpp"
+#include "arm/solve.hpp"
+
+namespace manutec_r3::arm {
+namespace {
+
+// K = [w']x + [w]x [w]x, by columns: the points of an arm accelerate with a(r) = a + K r.
+struct Gradient {
+  Triple x, y, z;
+};
+
+Gradient gradient(const Triple& w, const Triple& wd) {
+  const double xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z;
+  const double xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z;
+  return {{-yy - zz, xy + wd.z, xz - wd.y},
+          {xy - wd.z, -xx - zz, yz + wd.x},
+          {xz + wd.y, yz - wd.x, -xx - yy}};
+}
+
+// force = integral a(r) dm, torque = integral r x a(r) dm.
+Wrench wrench(const Moments& arm, const Triple& a, const Gradient& K) {
+  const auto& [m, h, J] = arm;
+  const Triple Jx = {J.xx, J.xy, J.xz}, Jy = {J.xy, J.yy, J.yz}, Jz = {J.xz, J.yz, J.zz};
+  return {cross(h, a) + cross(Jx, K.x) + cross(Jy, K.y) + cross(Jz, K.z),
+          m * a + h.x * K.x + h.y * K.y + h.z * K.z};
+}
+
+// The same for unit acceleration about an axis through the origin, from rest and without gravity.
+template <Axis axis>
+Wrench unit_acceleration(const Moments& body) {
+  const auto& [m, h, J] = body;
+  if constexpr (axis == Axis::x) {
+    return {{J.yy + J.zz, -J.xy, -J.xz}, {0, -h.z, h.y}};
+  } else {
+    return {{-J.xz, -J.yz, J.xx + J.yy}, {-h.y, h.x, 0}};
+  }
+}
+
+// An arm and all arms beyond it: as one rigid body, and the wrench that their motion takes.
+struct Composite {
+  Moments moments;
+  Wrench bias;
+};
+
+template <int N>
+struct Recursion {
+  const Mechanism<N>& mechanism;
+  const std::array<Turn, N>& turns;
+  const Vector<N>& qd;
+  EquationsOfMotion<N>& equations;
+
+  // Gravity acts like a base that is accelerated upwards, in arm 1 as in the world.
+  // Flattened into one function: the recursion is fast if its numbers stay in registers.
+  [[gnu::flatten]] void run() { arm_and_beyond<0>({{0, 0, qd[0]}, {0, 0, 0}, {0, 0, gravity}}); }
+
+  // Arm j and those beyond it, in the frame of arm j, which moves thus; rows j to N of the bias.
+  template <int j>
+  Composite arm_and_beyond(const ArmMotion& motion) {
+    const Moments& arm = mechanism.arm(j);
+    const Gradient K = gradient(motion.w, motion.wd);
+    Composite composite = {arm, wrench(arm, motion.a, K)};
+
+    if constexpr (constexpr int next = j + 1; next < N) {
+      const Composite outer = arm_and_beyond<next>(motion_of<next>(motion, K));
+      composite.moments += seen_from_inner_arm<next>(turns[next], outer.moments);
+      composite.bias += seen_from_inner_arm<next>(turns[next], outer.bias);
+
+      // The rotor of the next joint spins in this arm with p qd.
+      constexpr Axis rn = rotors[next].axis;
+      const double p_rJ = mechanism.rotor(next).p_rJ;
+      composite.bias.torque += p_rJ * qd[next] * cross_unit<rn>(motion.w);
+      equations.bias[next] += p_rJ * along<rn>(motion.wd);
+    }
+
+    constexpr Axis an = six_arms[j].axis;
+    equations.bias[j] = along<an>(composite.bias.torque);
+    set_column<j, j>(unit_acceleration<an>(composite.moments));
+    equations.M(j, j) += mechanism.rotor(j).p2_rJ;
+    return composite;
+  }
+
+  // Arm j at qdd = 0, carried by arm j-1.
+  template <int j>
+  ArmMotion motion_of(const ArmMotion& inner, const Gradient& K) {
+    constexpr Axis an = six_arms[j].axis;
+    const Turn back = turns[j].inverse();
+    ArmMotion outer = {rotated<j>(back, inner.w), rotated<j>(back, inner.wd),
+                       rotated<j>(back, inner.a + height<j>() * K.z)};
+    outer.wd += qd[j] * cross_unit<an>(outer.w);
+    along<an>(outer.w) += qd[j];
+    return outer;
+  }
+
+  // The wrench that unit acceleration of joint j takes, as joints i = j, j-1, .., 1 feel it.
+  template <int i, int j>
+  void set_column(const Wrench& wrench) {
+    equations.M(i, j) = equations.M(j, i) = along<six_arms[i].axis>(wrench.torque);
+    if constexpr (i > 0) {
+      Wrench inner = seen_from_inner_arm<i>(turns[i], wrench);
+      if constexpr (i == j) along<rotors[j].axis>(inner.torque) += mechanism.rotor(j).p_rJ;
+      set_column<i - 1, j>(inner);
+    }
+  }
+};
+
+}  // namespace
+
+template <int N>
+EquationsOfMotion<N> equations_of_motion(const Mechanism<N>& mechanism, const Vector<N>& q,
+                                         const Vector<N>& qd) {
+  std::array<Turn, N> turns;
+  for (int j = 1; j < N; ++j) turns[j] = turn(q[j]);
+
+  EquationsOfMotion<N> equations;
+  Recursion<N>{mechanism, turns, qd, equations}.run();
+  return equations;
+}
+
+template <int N>
+Vector<N> forward_dynamics(const Mechanism<N>& mechanism, const Vector<N>& q, const Vector<N>& qd,
+                           const Vector<N>& tau) {
+  EquationsOfMotion<N> equations = equations_of_motion(mechanism, q, qd);
+  Vector<N> qdd = tau - equations.bias;
+  solve_in_place(equations.M, qdd);
+  return qdd;
+}
+
+template EquationsOfMotion<3> equations_of_motion(const Mechanism<3>&, const Vector<3>&,
+                                                  const Vector<3>&);
+template EquationsOfMotion<6> equations_of_motion(const Mechanism<6>&, const Vector<6>&,
+                                                  const Vector<6>&);
+template Vector<3> forward_dynamics(const Mechanism<3>&, const Vector<3>&, const Vector<3>&,
+                                    const Vector<3>&);
+template Vector<6> forward_dynamics(const Mechanism<6>&, const Vector<6>&, const Vector<6>&,
+                                    const Vector<6>&);
+
+}  // namespace manutec_r3::arm

@@ -1,0 +1,50 @@
+// Mass matrix and bias of the equations of motion by composite bodies (spec 6):
+//
+//   M(q) qdd + bias(q, qd) = tau
+//
+// The simulator spends most of its time here.
+#pragma once
+
+#include "arm/mechanism.hpp"
+#include "arm/vector.hpp"
+
+namespace manutec_r3::arm {
+
+template <int N>
+struct EquationsOfMotion {
+  Matrix<N> M;     // symmetric and positive definite, both triangles are set [kg m^2]
+  Vector<N> bias;  // centrifugal, Coriolis, gyroscopic and gravity torques [N m]
+};
+
+// Angles and rates of the joints [rad, rad/s]. The angle of joint 1, which is vertical, has no
+// effect.
+template <int N>
+EquationsOfMotion<N> equations_of_motion(const Mechanism<N>& mechanism, const Vector<N>& q,
+                                         const Vector<N>& qd);
+
+template <int N>
+Matrix<N> mass_matrix(const Mechanism<N>& mechanism, const Vector<N>& q) {
+  return equations_of_motion<N>(mechanism, q, Vector<N>::Zero()).M;
+}
+
+// Joint torques that hold the arms at rest [N m].
+template <int N>
+Vector<N> gravity_torques(const Mechanism<N>& mechanism, const Vector<N>& q) {
+  return equations_of_motion<N>(mechanism, q, Vector<N>::Zero()).bias;
+}
+
+// Joint accelerations [rad/s^2] under the joint torques tau [N m].
+template <int N>
+Vector<N> forward_dynamics(const Mechanism<N>& mechanism, const Vector<N>& q, const Vector<N>& qd,
+                           const Vector<N>& tau);
+
+extern template EquationsOfMotion<3> equations_of_motion(const Mechanism<3>&, const Vector<3>&,
+                                                         const Vector<3>&);
+extern template EquationsOfMotion<6> equations_of_motion(const Mechanism<6>&, const Vector<6>&,
+                                                         const Vector<6>&);
+extern template Vector<3> forward_dynamics(const Mechanism<3>&, const Vector<3>&, const Vector<3>&,
+                                           const Vector<3>&);
+extern template Vector<6> forward_dynamics(const Mechanism<6>&, const Vector<6>&, const Vector<6>&,
+                                           const Vector<6>&);
+
+}  // namespace manutec_r3::arm

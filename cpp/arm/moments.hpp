@@ -1,0 +1,49 @@
+// The distribution of mass in a rigid body by its moments about the origin of the body's frame:
+//
+//   m = integral dm,   h = integral r dm = m c,   J = integral r r^T dm.
+//
+// The tensor of inertia is I = trace(J) 1 - J. The second moment J is kept instead, because moments
+// add, turn and shift with less work, and give the wrench of an accelerated body at once (spec 6).
+#pragma once
+
+#include <array>
+
+#include "arm/parameters.hpp"
+#include "arm/triple.hpp"
+#include "arm/vector.hpp"
+
+namespace manutec_r3::arm {
+
+struct SymmetricTensor {
+  double xx, yy, zz, xy, xz, yz;
+};
+
+struct Moments {
+  double m;
+  Triple h;
+  SymmetricTensor J;
+
+  Moments& operator+=(const Moments& other) {
+    m += other.m;
+    h += other.h;
+    J.xx += other.J.xx;
+    J.yy += other.J.yy;
+    J.zz += other.J.zz;
+    J.xy += other.J.xy;
+    J.xz += other.J.xz;
+    J.yz += other.J.yz;
+    return *this;
+  }
+};
+
+Moments moments(const Body& body);
+
+Moments point_mass(double mass, const std::array<double, 3>& position);
+
+// h as a vector of Eigen.
+Vector<3> first_moment(const Moments& body);
+
+// I = trace(J) 1 - J, about the origin.
+Matrix<3> inertia(const Moments& body);
+
+}  // namespace manutec_r3::arm

@@ -1,0 +1,24 @@
+// Joint torques of a given motion by the recursion of Newton and Euler (spec 6):
+//
+//   tau = M(q) qdd + bias(q, qd)
+//
+// Written with rotation matrices and tensors of inertia: independent of composite.hpp, which it
+// checks.
+#pragma once
+
+#include "arm/mechanism.hpp"
+#include "arm/vector.hpp"
+
+namespace manutec_r3::arm {
+
+// Angles, rates and accelerations of the joints [rad, rad/s, rad/s^2] -> torques [N m].
+template <int N>
+Vector<N> inverse_dynamics(const Mechanism<N>& mechanism, const Vector<N>& q, const Vector<N>& qd,
+                           const Vector<N>& qdd);
+
+extern template Vector<3> inverse_dynamics(const Mechanism<3>&, const Vector<3>&, const Vector<3>&,
+                                           const Vector<3>&);
+extern template Vector<6> inverse_dynamics(const Mechanism<6>&, const Vector<6>&, const Vector<6>&,
+                                           const Vector<6>&);
+
+}  // namespace manutec_r3::arm

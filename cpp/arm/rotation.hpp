@@ -1,0 +1,38 @@
+// Rotations about the joint axes, and cross products, as matrices (spec 2).
+#pragma once
+
+#include <cmath>
+
+#include "arm/parameters.hpp"
+#include "arm/vector.hpp"
+
+namespace manutec_r3::arm {
+
+// Where a vector of Eigen keeps its component along an axis: v[component(axis)].
+constexpr int component(Axis axis) { return axis == Axis::x ? 0 : 2; }
+
+inline Vector<3> unit(Axis axis) { return Vector<3>::Unit(component(axis)); }
+
+// Of arm j in the frame of arm j-1; a positive angle turns by the right-hand rule.
+inline Matrix<3> rotation(Axis axis, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  Matrix<3> R;
+  if (axis == Axis::x) {
+    R << 1, 0, 0, 0, c, -s, 0, s, c;
+  } else {
+    R << c, -s, 0, s, c, 0, 0, 0, 1;
+  }
+  return R;
+}
+
+// [v]x, so that [v]x u = v x u.
+inline Matrix<3> cross_matrix(const Vector<3>& v) {
+  Matrix<3> V;
+  V << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return V;
+}
+
+// Place of joint j in the frame of arm j-1, the same in every variant of the robot.
+inline Vector<3> offset(int j) { return Vector<3>::Map(six_arms[j].offset.data()); }
+
+}  // namespace manutec_r3::arm

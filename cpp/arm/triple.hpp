@@ -1,0 +1,54 @@
+// Three components as plain numbers: vectors of the recursion that the simulator lives in
+// (composite.hpp).
+//
+// Eigen takes the components of its vectors in pairs. The recursion writes and reads them one by
+// one, mostly two of the three, and would wait for memory at every change of hands: plain numbers
+// make it one and a half times as fast.
+#pragma once
+
+#include "arm/parameters.hpp"
+
+namespace manutec_r3::arm {
+
+struct Triple {
+  double x, y, z;
+
+  Triple& operator+=(const Triple& b) {
+    x += b.x;
+    y += b.y;
+    z += b.z;
+    return *this;
+  }
+};
+
+inline Triple operator+(const Triple& a, const Triple& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+inline Triple operator*(double s, const Triple& a) { return {s * a.x, s * a.y, s * a.z}; }
+
+inline Triple cross(const Triple& a, const Triple& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+// Component along an axis; of a constant triple, too.
+template <Axis axis, class AnyTriple>
+auto& along(AnyTriple& a) {
+  if constexpr (axis == Axis::x) {
+    return a.x;
+  } else {
+    return a.z;
+  }
+}
+
+// a x e, where e is the unit vector of an axis.
+template <Axis axis>
+Triple cross_unit(const Triple& a) {
+  if constexpr (axis == Axis::x) {
+    return {0, a.z, -a.y};
+  } else {
+    return {a.y, -a.x, 0};
+  }
+}
+
+}  // namespace manutec_r3::arm

@@ -1,0 +1,88 @@
+#include "robot/robot.hpp"
+
+#include <pybind11/stl.h>
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "bindings/bindings.hpp"
+#include "robot/start.hpp"
+
+namespace manutec_r3::bindings {
+namespace {
+
+using robot::Robot;
+
+robot::Controller controller_named(const std::optional<std::string>& name) {
+  if (!name) return robot::Controller::none;
+  if (*name == "continuous") return robot::Controller::continuous;
+  throw std::invalid_argument("controller: expected 'continuous' or None, got '" + *name + "'");
+}
+
+robot::Start start_named(const std::string& name) {
+  if (name == "rotor") return robot::Start::rotor;
+  if (name == "arm") return robot::Start::arm;
+  throw std::invalid_argument("start: expected 'rotor', 'arm' or a state vector, got '" + name +
+                              "'");
+}
+
+// Groups of states as tuples (name, unit, nominal value, first, size).
+py::list state_groups(const Robot& robot) {
+  py::list groups;
+  for (const robot::StateGroup& group : robot.states()) {
+    groups.append(
+        py::make_tuple(group.name, group.unit, group.nominal, group.first, group.size));
+  }
+  return groups;
+}
+
+py::list indicator_groups(const Robot& robot) {
+  py::list groups;
+  for (const robot::IndicatorGroup& group : robot.indicators()) {
+    groups.append(py::make_tuple(group.name, group.size));
+  }
+  return groups;
+}
+
+}  // namespace
+
+void register_robot(py::module_& module) {
+  module.def("check_load", [](double mass, const std::array<double, 3>& position, bool bounds) {
+    arm::check({.mass = mass, .position = position, .bounds = bounds});
+  });
+
+  py::class_<Robot, std::shared_ptr<Robot>>(module, "Robot")
+      .def(py::init([](int model, double mass, const std::array<double, 3>& position, bool bounds,
+                       const std::optional<std::string>& controller) {
+        const arm::Load load{.mass = mass, .position = position, .bounds = bounds};
+        return std::make_shared<Robot>(model, load, controller_named(controller));
+      }))
+      .def_property_readonly("n_axes", &Robot::n_axes)
+      .def_property_readonly("n_states", &Robot::n_states)
+      .def_property_readonly("n_indicators", &Robot::n_indicators)
+      .def_property_readonly("state_groups", &state_groups)
+      .def_property_readonly("indicator_groups", &indicator_groups)
+      .def("check_motion", &robot::check_motion)
+      .def("check_state",
+           [](const Robot& robot, const Array& x) { robot::check_state(robot, as_span(x)); })
+      .def("rest_state",
+           [](const Robot& robot, const motion::Motion* motion, const std::string& start) {
+             return as_array(robot::rest_state(robot, motion, start_named(start)));
+           })
+      .def("state_from",
+           [](const Robot& robot, const Array& joint_angle, const std::optional<Array>& joint_rate,
+              const std::optional<Array>& rotor_angle, const std::optional<Array>& rotor_rate,
+              const std::optional<Array>& motor_torque) {
+             const auto optional = [](const std::optional<Array>& array) {
+               return array ? std::optional(as_vector(*array)) : std::nullopt;
+             };
+             return as_array(robot::state_from(robot, {.joint_angle = as_vector(joint_angle),
+                                                       .joint_rate = optional(joint_rate),
+                                                       .rotor_angle = optional(rotor_angle),
+                                                       .rotor_rate = optional(rotor_rate),
+                                                       .motor_torque = optional(motor_torque)}));
+           });
+}
+
+}  // namespace manutec_r3::bindings

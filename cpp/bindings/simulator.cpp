@@ -1,0 +1,161 @@
+// A robot, a motion and an integrator in one object that Python steps.
+#include <pybind11/native_enum.h>
+#include <pybind11/stl.h>
+
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "bindings/bindings.hpp"
+#include "hybrid/failure.hpp"
+#include "hybrid/simulation.hpp"
+#include "robot/robot_system.hpp"
+#include "solver/method.hpp"
+
+namespace manutec_r3::bindings {
+namespace {
+
+using robot::Robot;
+
+// Between two looks at signals and progress: often enough for a person, too seldom to be noticed.
+constexpr std::chrono::milliseconds look_up_interval(50);
+
+class Simulator {
+ public:
+  Simulator(std::shared_ptr<const Robot> robot, std::shared_ptr<const motion::Motion> motion,
+            const Array& start, double rtol, solver::Method method, bool record)
+      : trajectory_(std::make_shared<hybrid::Trajectory>()),
+        system_(make_system(std::move(robot), std::move(motion))),
+        integrator_(make_integrator(method, *system_, rtol)),
+        simulation_(*system_, *integrator_, 0.0, as_vector(start),
+                    record ? trajectory_.get() : nullptr) {}
+
+  void advance(double target, bool stop_at_event, bool include_target, const py::object& progress) {
+    auto latest = std::chrono::steady_clock::now();
+    const auto look_up = [&](double t) {
+      const auto now = std::chrono::steady_clock::now();
+      if (now - latest < look_up_interval) return;
+      latest = now;
+      const py::gil_scoped_acquire acquire;
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      if (!progress.is_none()) progress(t);
+    };
+    const py::gil_scoped_release release;
+    using hybrid::Simulation;
+    simulation_.advance(
+        target, stop_at_event ? Simulation::Stop::at_first_event : Simulation::Stop::at_target,
+        include_target ? Simulation::Target::included : Simulation::Target::excluded, look_up);
+  }
+
+  void set_motor_torque(const Array& torque) {
+    system_->set_motor_torque(as_span(torque));
+    simulation_.input_changed();
+  }
+  Array motor_torque() const { return as_array(system_->mode().held); }
+
+  double time() const { return simulation_.time(); }
+  Array state() { return as_array(simulation_.state()); }
+
+  // (n_signals, n_axes), in the order of signal_names.
+  Array signals() {
+    Array values({static_cast<py::ssize_t>(robot::signal_names.size()),
+                  static_cast<py::ssize_t>(system_->n_axes())});
+    system_->signals(time(), simulation_.state().data(), values.mutable_data());
+    return values;
+  }
+
+  py::dict branches() const {
+    py::dict branches;
+    for (int kind = 0; kind < robot::n_axis_elements; ++kind) {
+      py::array_t<std::int8_t> values(system_->n_axes());
+      for (int i = 0; i < system_->n_axes(); ++i) {
+        values.mutable_at(i) = static_cast<std::int8_t>(
+            system_->branch(static_cast<robot::ElementKind>(kind), i));
+      }
+      branches[py::str(std::string(robot::element_names[kind]))] = values;
+    }
+    return branches;
+  }
+
+  std::size_t n_events() const { return simulation_.events().size(); }
+  // Tuples (time, axis, element, before, after) from number `first` on.
+  py::list events(std::size_t first) const {
+    py::list events;
+    for (std::size_t k = first; k < simulation_.events().size(); ++k) {
+      const hybrid::Event& event = simulation_.events()[k];
+      events.append(py::make_tuple(event.time, event.element.axis,
+                                   std::string(robot::element_names[event.element.kind]),
+                                   event.before, event.after));
+    }
+    return events;
+  }
+
+  py::dict statistics() const {
+    const hybrid::Statistics statistics = simulation_.statistics();
+    py::dict counts;
+    counts["evaluations"] = statistics.work.evaluations;
+    counts["steps"] = statistics.work.steps;
+    counts["rejected_steps"] = statistics.work.rejected_steps;
+    counts["events"] = statistics.events;
+    counts["restarts"] = statistics.restarts;
+    return counts;
+  }
+
+  hybrid::Simulation::Snapshot save() const { return simulation_.save(); }
+  void restore(const hybrid::Simulation::Snapshot& snapshot) { simulation_.restore(snapshot); }
+
+  // What was recorded up to now; the part of the last step that lies ahead is left out.
+  std::shared_ptr<hybrid::Trajectory> trajectory() const {
+    auto recorded = std::make_shared<hybrid::Trajectory>(*trajectory_);
+    recorded->cut(time());
+    return recorded;
+  }
+
+ private:
+  std::shared_ptr<hybrid::Trajectory> trajectory_;
+  std::unique_ptr<robot::RobotSystem> system_;
+  std::unique_ptr<hybrid::Integrator> integrator_;
+  hybrid::Simulation simulation_;
+};
+
+}  // namespace
+
+void register_simulator(py::module_& module) {
+  py::register_exception<hybrid::SimulationFailure>(module, "SimulationFailure",
+                                                    PyExc_RuntimeError);
+
+  py::native_enum<solver::Method>(module, "Method", "enum.Enum")
+      .value("erk", solver::Method::erk)
+      .value("bdf", solver::Method::bdf)
+      .finalize();
+  module.def("default_tolerance", &solver::default_tolerance);
+  py::list names;
+  for (const std::string_view name : robot::signal_names) names.append(std::string(name));
+  module.attr("signal_names") = py::tuple(names);
+
+  py::class_<hybrid::Simulation::Snapshot>(module, "Snapshot")
+      .def_readonly("time", &hybrid::Simulation::Snapshot::time);
+
+  py::class_<Simulator>(module, "Simulator")
+      .def(py::init<std::shared_ptr<const Robot>, std::shared_ptr<const motion::Motion>,
+                    const Array&, double, solver::Method, bool>())
+      .def("advance", &Simulator::advance)
+      .def("set_motor_torque", &Simulator::set_motor_torque)
+      .def_property_readonly("motor_torque", &Simulator::motor_torque)
+      .def_property_readonly("time", &Simulator::time)
+      .def_property_readonly("state", &Simulator::state)
+      .def_property_readonly("signals", &Simulator::signals)
+      .def_property_readonly("branches", &Simulator::branches)
+      .def_property_readonly("n_events", &Simulator::n_events)
+      .def("events", &Simulator::events)
+      .def_property_readonly("statistics", &Simulator::statistics)
+      .def("save", &Simulator::save)
+      .def("restore", &Simulator::restore)
+      .def_property_readonly("trajectory", &Simulator::trajectory);
+}
+
+}  // namespace manutec_r3::bindings

@@ -1,0 +1,55 @@
+// The electrical part of every axis: position controller, tachogenerator, rate controller, motor
+// (spec 4; report Figure 3). Eight states per axis.
+#pragma once
+
+#include "drive/motor.hpp"
+#include "drive/per_axis.hpp"
+#include "drive/position_controller.hpp"
+#include "drive/rate_controller.hpp"
+#include "drive/tachogenerator.hpp"
+
+namespace manutec_r3::drive {
+
+// The states of all axes lie in memory one group after another.
+enum ElectricalState {
+  tachogenerator_1,  // y
+  tachogenerator_2,  // u_t
+  tachogenerator_3,  // u_t'
+  filter,            // f
+  controller,        // w
+  voltage,           // U
+  pt2_torque,        // m
+  pt2_torque_rate,   // m'
+};
+inline constexpr int n_electrical_states = 8;
+
+template <int N>
+struct Axes {
+  PositionController<N> position_controller;
+  Tachogenerator<N> tachogenerator;
+  RateController<N> rate_controller;
+  Motor<N> motor;
+
+  static ConstView<N> of(const double* x, ElectricalState state) {
+    return ConstView<N>(x + state * N);
+  }
+  static View<N> of(double* x, ElectricalState state) { return View<N>(x + state * N); }
+
+  // Derivatives of the states, given the command u_c [V] and the rates rq' of the rotors.
+  void derivatives(const double* x, const PerAxis<N>& command, const PerAxis<N>& rotor_rate,
+                   double* dx) const {
+    tachogenerator.derivatives(rotor_rate, of(x, tachogenerator_1), of(x, tachogenerator_2),
+                               of(x, tachogenerator_3), of(dx, tachogenerator_1),
+                               of(dx, tachogenerator_2), of(dx, tachogenerator_3));
+    rate_controller.derivatives(command, of(x, tachogenerator_2), of(x, filter),
+                                of(x, controller), of(x, voltage), of(dx, filter),
+                                of(dx, controller), of(dx, voltage));
+    motor.derivatives(of(x, voltage), of(x, pt2_torque), of(x, pt2_torque_rate),
+                      of(dx, pt2_torque), of(dx, pt2_torque_rate));
+  }
+
+  // rF [N m].
+  PerAxis<N> motor_torque(const double* x) const { return motor.NL2(of(x, pt2_torque)); }
+};
+
+}  // namespace manutec_r3::drive

@@ -1,0 +1,23 @@
+// Position controller with rate feedforward, motor side (spec 4; report Figure 3, Table 1):
+//
+//   rq_d = p aq_d,   rq_d' = p aq_d',   u_c = K_V (rq_d - rq) + K_D rq_d'   [V]
+#pragma once
+
+#include "drive/parameters.hpp"
+#include "drive/per_axis.hpp"
+
+namespace manutec_r3::drive {
+
+template <int N>
+struct PositionController {
+  PerAxis<N> p = first<N>(gear_ratio);
+  PerAxis<N> k_v = first<N>(K_V);
+  PerAxis<N> k_d = first<N>(K_D);
+
+  // The command u_c [V] to the rate controller.
+  PerAxis<N> command(const PerAxis<N>& aq_d, const PerAxis<N>& aqd_d, const PerAxis<N>& rq) const {
+    return k_v * (p * aq_d - rq) + k_d * p * aqd_d;
+  }
+};
+
+}  // namespace manutec_r3::drive

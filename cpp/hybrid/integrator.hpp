@@ -1,0 +1,51 @@
+// What the simulation loop needs of an integrator: one step after another, and the solution inside
+// a step. The integrators themselves live in solver/.
+#pragma once
+
+#include <vector>
+
+namespace manutec_r3::hybrid {
+
+// A step from t0 to t1, and what it takes to evaluate the solution inside it.
+struct Step {
+  double t0 = 0.0;
+  double t1 = 0.0;
+  std::vector<double> dense;  // of one length for all steps of an integrator
+};
+
+// The solution inside a step: it depends on the step and on the system's mode, on nothing else.
+class DenseOutput {
+ public:
+  virtual ~DenseOutput() = default;
+
+  // x (n_states) at t, t0 <= t <= t1, as accurate as at the step's end.
+  virtual void evaluate(const Step& step, double t, double* x) = 0;
+};
+
+struct Work {
+  long evaluations = 0;     // of the derivatives, for whatever purpose
+  long steps = 0;           // accepted
+  long rejected_steps = 0;  // too inaccurate, or a nonlinear solver did not converge
+};
+
+class Integrator : public DenseOutput {
+ public:
+  // Continues from (t, x), where the system may have changed its mode. `size` is the step to try,
+  // 0 if unknown.
+  virtual void restart(double t, const double* x, double size) = 0;
+
+  // One step from where the last one ended, not beyond `stop`, which it meets exactly. Gives the
+  // step and the state at its end. Throws SimulationFailure, with the solver's own message, and whatever the
+  // system throws.
+  virtual void advance(double stop, Step& step, double* x1) = 0;
+
+  // The step size to try next, if nothing happens.
+  virtual double next_size() const = 0;
+
+  // The system's derivatives at (t, x), which are kept: the next step begins with them.
+  virtual void derivatives(double t, const double* x, double* derivatives) = 0;
+
+  virtual Work work() const = 0;
+};
+
+}  // namespace manutec_r3::hybrid

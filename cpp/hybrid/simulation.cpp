@@ -1,0 +1,266 @@
+#include "hybrid/simulation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "hybrid/crossing.hpp"
+#include "hybrid/failure.hpp"
+
+namespace manutec_r3::hybrid {
+namespace {
+
+// Semantics 6.
+constexpr int most_events_at_one_instant = 100;
+constexpr std::size_t most_events_in_short_time = 1000;
+constexpr double short_time = 1e-3;
+
+// A double crossing counts if the indicator gets so far out of its domain, relative to its values
+// at the ends of the step: well above roundoff, far below what tolerances resolve.
+constexpr double shallowest_dip = 1e-12;
+// A step is halved so often in search of an instant at which an indicator was inside its domain.
+constexpr int most_halvings = 50;
+// Rates of indicators come from a difference over this time [s]: much shorter than a step, and long
+// enough for ten digits of the difference to survive.
+constexpr double ahead = 1e-7;
+
+}  // namespace
+
+bool ChatteringGuard::exceeded(Element element, double t) {
+  History& history = histories_[element];
+  std::vector<double>& recent = history.recent;
+  const bool first = recent.empty();
+  const std::size_t size = recent.size();
+  const double latest = first ? 0.0 : recent[(history.oldest + size - 1) % size];
+  const bool same_instant = !first && t - latest <= simultaneous(t);
+  history.at_this_instant = same_instant ? history.at_this_instant + 1 : 1;
+  bool many_in_short_time = false;
+  if (size < most_events_in_short_time) {
+    recent.push_back(t);
+  } else {
+    many_in_short_time = t - recent[history.oldest] <= short_time;
+    recent[history.oldest] = t;
+    history.oldest = (history.oldest + 1) % size;
+  }
+  return history.at_this_instant > most_events_at_one_instant || many_in_short_time;
+}
+
+Simulation::Simulation(System& system, Integrator& integrator, double t, std::vector<double> x,
+                       Trajectory* trajectory)
+    : system_(system),
+      integrator_(integrator),
+      trajectory_(trajectory),
+      scratch_x_(system.n_states()),
+      scratch_z_(system.n_indicators()),
+      scratch_derivatives_(system.n_states()) {
+  now_.time = now_.step.t0 = now_.step.t1 = t;
+  now_.x = std::move(x);
+  now_.z.resize(system.n_indicators());
+  now_.slope.resize(system.n_indicators());
+  system_.initialise(t, now_.x.data());
+  restart(0.0);
+}
+
+void Simulation::advance(double target, Stop stop, Target at_target,
+                         const std::function<void(double)>& look_up) {
+  for (;;) {
+    if (now_.event && now_.time == now_.step.t1) {
+      if (now_.time >= target && at_target == Target::excluded) return;
+      const std::size_t events_before = events_.size();
+      handle_event(false);
+      if (stop == Stop::at_first_event && events_.size() > events_before) return;
+    } else if (now_.time >= target) {
+      return;
+    } else {
+      if (now_.time == now_.step.t1) advance_front();
+      now_.time = std::min(now_.step.t1, target);
+      if (look_up) look_up(now_.time);
+    }
+  }
+}
+
+void Simulation::input_changed() {
+  now_.x = state();
+  if (trajectory_) trajectory_->cut(now_.time);
+  now_.step.t0 = now_.step.t1 = now_.time;
+  now_.fired.clear();
+  now_.time_event = false;
+  handle_event(true);
+}
+
+std::vector<double> Simulation::state() {
+  if (now_.time == now_.step.t1) return now_.x;
+  std::vector<double> x(now_.x.size());
+  integrator_.evaluate(now_.step, now_.time, x.data());
+  return x;
+}
+
+Statistics Simulation::statistics() const {
+  return {.work = integrator_.work(),
+          .events = static_cast<long>(events_.size()),
+          .restarts = restarts_,
+          .locations = locations_};
+}
+
+Simulation::Snapshot Simulation::save() const {
+  Snapshot snapshot = now_;
+  snapshot.next_size = integrator_.next_size();
+  snapshot.mode = system_.mode();
+  return snapshot;
+}
+
+void Simulation::restore(const Snapshot& snapshot) {
+  now_ = snapshot;
+  system_.set_mode(snapshot.mode);
+  integrator_.restart(now_.step.t1, now_.x.data(), now_.next_size);
+}
+
+// --- one step -----------------------------------------------------------------------------------
+
+void Simulation::advance_front() {
+  const double stop = system_.next_time_event(now_.step.t1);
+  x0_ = now_.x;
+  z0_ = now_.z;
+  slope0_ = now_.slope;
+  integrator_.advance(stop, now_.step, now_.x.data());
+  if (!std::ranges::all_of(now_.x, [](double value) { return std::isfinite(value); })) {
+    now_.x = x0_;
+    now_.step.t1 = now_.step.t0;
+    throw SimulationFailure("the state has grown beyond all bounds");
+  }
+  measure(now_.step.t1, now_.x, now_.z, now_.slope);
+  locate_event(stop);
+  if (trajectory_ && now_.step.t1 > now_.step.t0) trajectory_->append(now_.step, system_.mode());
+}
+
+// Indicators and their rates along the solution.
+void Simulation::measure(double t, const std::vector<double>& x, std::vector<double>& z,
+                         std::vector<double>& slope) {
+  integrator_.derivatives(t, x.data(), scratch_derivatives_.data());
+  for (std::size_t s = 0; s < x.size(); ++s) scratch_x_[s] = x[s] + ahead * scratch_derivatives_[s];
+  system_.indicators(t, x.data(), z.data());
+  system_.indicators(t + ahead, scratch_x_.data(), slope.data());
+  for (std::size_t i = 0; i < z.size(); ++i) slope[i] = (slope[i] - z[i]) / ahead;
+}
+
+double Simulation::indicator_inside(int indicator, double t) {
+  ++locations_;
+  integrator_.evaluate(now_.step, t, scratch_x_.data());
+  system_.indicators(t, scratch_x_.data(), scratch_z_.data());
+  return scratch_z_[indicator];
+}
+
+// --- events -------------------------------------------------------------------------------------
+
+// Cuts the step off at the first event in it, if there is one.
+void Simulation::locate_event(double stop) {
+  const double t0 = now_.step.t0;
+  const double t1 = now_.step.t1;
+  double first = never;
+  now_.fired.clear();
+
+  for (int i = 0; i < system_.n_indicators(); ++i) {
+    const double z1 = now_.z[i];
+    const Cubic cubic({t0, z0_[i], slope0_[i]}, {t1, z1, now_.slope[i]});
+    double outside = t1;
+    double z_outside = z1;
+    if (z1 > 0.0) {
+      // Semantics 1: out of the domain and back within the step?
+      if (!(z0_[i] > 0.0 && slope0_[i] < 0.0 && now_.slope[i] > 0.0)) continue;
+      const double dip = -shallowest_dip * std::max(z0_[i], z1);
+      const std::optional<double> lowest = cubic.minimum();
+      if (!lowest || cubic(*lowest) > dip) continue;
+      outside = *lowest;
+      z_outside = indicator_inside(i, outside);
+      if (z_outside > dip) continue;
+    }
+    if (first < outside) {
+      // Another indicator fires before; this one matters only if it does so earlier.
+      outside = first;
+      z_outside = indicator_inside(i, first);
+      if (z_outside > 0.0) continue;
+    }
+
+    double inside = t0;
+    double z_inside = z0_[i];
+    if (z_inside <= 0.0) {
+      // Semantics 2: it counts as inside at t0; find out where it really is.
+      const std::optional<double> highest = cubic.maximum();
+      inside = highest && *highest < outside ? *highest : 0.5 * (t0 + outside);
+      for (int halving = 0; halving < most_halvings; ++halving) {
+        z_inside = indicator_inside(i, inside);
+        if (z_inside > 0.0) break;
+        outside = inside;
+        z_outside = z_inside;
+        inside = 0.5 * (t0 + inside);
+      }
+      if (z_inside <= 0.0 && slope0_[i] >= 0.0) continue;  // on its way in
+    }
+    const auto z = [&](double t) { return indicator_inside(i, t); };
+    const double t = z_inside > 0.0 ? leave_domain(z, inside, z_inside, outside, z_outside,
+                                                   cubic.root(inside, outside))
+                                    : t0;
+    if (t < first - simultaneous(first)) now_.fired.clear();
+    first = std::min(t, first);
+    now_.fired.push_back(i);
+  }
+
+  // Semantics 4: what is as good as simultaneous with the step's beginning or with `stop` is so.
+  if (first - t0 <= simultaneous(t0)) first = t0;
+  now_.time_event = std::min(first, t1) >= stop - simultaneous(stop);
+  now_.event = now_.time_event || first < never;
+  if (!now_.event) return;
+  if (first < t1 && !now_.time_event) {
+    integrator_.evaluate(now_.step, first, scratch_x_.data());
+    now_.x = scratch_x_;
+    now_.step.t1 = first;
+    measure(first, now_.x, now_.z, now_.slope);
+  }
+  fold_in_simultaneous();
+}
+
+// Semantics 4: whatever else fires at the end of the step, or so soon that it is the same instant.
+void Simulation::fold_in_simultaneous() {
+  const double instant = simultaneous(now_.step.t1);
+  for (int i = 0; i < system_.n_indicators(); ++i) {
+    const double z_soon = now_.z[i] + std::min(0.0, now_.slope[i] * instant);
+    if (z0_[i] > 0.0 && z_soon <= 0.0 && std::ranges::find(now_.fired, i) == now_.fired.end()) {
+      now_.fired.push_back(i);
+    }
+  }
+  std::ranges::sort(now_.fired);
+}
+
+void Simulation::handle_event(bool input_changed) {
+  changes_.clear();
+  system_.handle_event(now_.time, now_.x.data(),
+                       {.fired = now_.fired,
+                        .time_event = now_.time_event,
+                        .input_changed = input_changed},
+                       changes_);
+  for (const Change& change : changes_) {
+    events_.push_back({now_.time, change.element, change.before, change.after});
+  }
+  if (!input_changed) {
+    for (const int i : now_.fired) {
+      const Element element = system_.element_of(i);
+      if (now_.guard.exceeded(element, now_.time)) {
+        throw SimulationFailure("chattering: " + system_.describe(element) +
+                                " switches without end");
+      }
+    }
+  }
+  ++restarts_;
+  restart(integrator_.next_size());
+}
+
+void Simulation::restart(double size) {
+  integrator_.restart(now_.time, now_.x.data(), size);
+  now_.step.t0 = now_.step.t1 = now_.time;
+  now_.event = false;
+  measure(now_.time, now_.x, now_.z, now_.slope);
+}
+
+}  // namespace manutec_r3::hybrid

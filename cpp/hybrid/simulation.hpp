@@ -1,0 +1,120 @@
+// The simulation loop: integrates a hybrid system from event to event.
+//
+// Event semantics, in one place; the tests quote the numbers.
+//
+//  1. An indicator is positive inside the domain of the present branches. It fires at the first
+//     instant of (t0, t1] at which it is zero or negative, having been positive before. A double
+//     crossing within a step, out of the domain and back, is found as well, if it is deeper than
+//     roundoff.
+//  2. Right after an event every indicator counts as inside its domain, because the decision has
+//     just been made: the same root is never searched again.
+//  3. The instant is located within roundoff of t, on a true integration step that ends there, not
+//     on an interpolant. The integration restarts from it.
+//  4. Instants closer than four units in the last place are one instant, and what happens at one
+//     instant is one decision of the system.
+//  5. The system may find by physics that an indicator has only touched zero. Then no branch
+//     changes and nothing is logged.
+//  6. More than 100 events of one element at one instant, or more than 1000 within 1 ms, are
+//     chattering and end the run with an error that names the element.
+//
+// The integration may be ahead of the simulation's time by a part of a step: where a user stops to
+// look does not change the steps. An event is handled when the time reaches it.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <vector>
+
+#include "hybrid/integrator.hpp"
+#include "hybrid/system.hpp"
+#include "hybrid/trajectory.hpp"
+
+namespace manutec_r3::hybrid {
+
+struct Statistics {
+  Work work;
+  long events = 0;    // changes that were logged
+  long restarts = 0;  // of the integration, after logged changes or others
+  long locations = 0;  // evaluations of the solution inside a step in search of events
+};
+
+// Counts what switches, to end a run that would switch for ever.
+class ChatteringGuard {
+ public:
+  // Whether this event of an element is one too many.
+  bool exceeded(Element element, double t);
+
+ private:
+  struct History {
+    int at_this_instant = 0;
+    std::vector<double> recent;  // instants, a ring
+    std::size_t oldest = 0;
+  };
+  std::map<Element, History> histories_;
+};
+
+class Simulation {
+ public:
+  enum class Stop { at_target, at_first_event };
+  enum class Target { included, excluded };  // whether events at the target itself are handled
+
+  // Begins at (t, x): the system decides its branches. `trajectory`, if given, records the run.
+  // All must outlive the simulation.
+  Simulation(System& system, Integrator& integrator, double t, std::vector<double> x,
+             Trajectory* trajectory = nullptr);
+
+  // Advances to `target`, or to the first instant with a logged event. Throws SimulationFailure.
+  // `look_up` is called after every step with the time; it may throw.
+  void advance(double target, Stop stop, Target at_target,
+               const std::function<void(double)>& look_up = {});
+
+  // An input of the system has been set at the present time: branches are decided again.
+  void input_changed();
+
+  double time() const { return now_.time; }
+  // The state at the present time, after its events.
+  std::vector<double> state();
+  // The events of all instants so far.
+  const std::vector<Event>& events() const { return events_; }
+  Statistics statistics() const;
+
+  // All that the future depends on, the system's mode included. The log of events and the
+  // statistics go on.
+  struct Snapshot {
+    double time = 0.0;
+    Step step;                           // the front: the last step, cut off at an event
+    std::vector<double> x;               // state at its end
+    std::vector<double> z, slope;        // indicators there, and their rates along the solution
+    bool event = false;                  // something happens at its end:
+    bool time_event = false;             // an announced instant,
+    std::vector<int> fired;              // indicators
+    double next_size = 0.0;              // that the integrator would try
+    Mode mode;
+    ChatteringGuard guard;
+  };
+  Snapshot save() const;
+  void restore(const Snapshot& snapshot);
+
+ private:
+  void advance_front();
+  void locate_event(double stop);
+  void fold_in_simultaneous();
+  void handle_event(bool input_changed);
+  void restart(double size);
+  void measure(double t, const std::vector<double>& x, std::vector<double>& z,
+               std::vector<double>& slope);
+  double indicator_inside(int indicator, double t);
+
+  System& system_;
+  Integrator& integrator_;
+  Trajectory* trajectory_;
+  Snapshot now_;
+  std::vector<Event> events_;
+  std::vector<Change> changes_;
+  std::vector<double> x0_, z0_, slope0_;  // at the beginning of the step
+  std::vector<double> scratch_x_, scratch_z_, scratch_derivatives_;
+  long restarts_ = 0;
+  long locations_ = 0;
+};
+
+}  // namespace manutec_r3::hybrid

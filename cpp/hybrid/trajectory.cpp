@@ -1,0 +1,36 @@
+#include "hybrid/trajectory.hpp"
+
+#include <algorithm>
+
+namespace manutec_r3::hybrid {
+
+Step Trajectory::step(std::size_t index) const {
+  const auto first = dense.begin() + static_cast<std::ptrdiff_t>(index * dense_size);
+  return {begin[index], end[index], {first, first + static_cast<std::ptrdiff_t>(dense_size)}};
+}
+
+void Trajectory::append(const Step& step, const Mode& present) {
+  if (modes.empty() || modes.back() != present) modes.push_back(present);
+  dense_size = step.dense.size();
+  begin.push_back(step.t0);
+  end.push_back(step.t1);
+  mode.push_back(static_cast<int>(modes.size()) - 1);
+  dense.insert(dense.end(), step.dense.begin(), step.dense.end());
+}
+
+void Trajectory::cut(double t) {
+  while (!begin.empty() && begin.back() >= t) {
+    begin.pop_back();
+    end.pop_back();
+    mode.pop_back();
+    dense.resize(dense.size() - dense_size);
+  }
+  if (!end.empty()) end.back() = std::min(end.back(), t);
+}
+
+std::size_t Trajectory::step_at(double t) const {
+  const auto later = std::upper_bound(begin.begin(), begin.end(), t);
+  return later == begin.begin() ? 0 : static_cast<std::size_t>(later - begin.begin()) - 1;
+}
+
+}  // namespace manutec_r3::hybrid

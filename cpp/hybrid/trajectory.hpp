@@ -1,0 +1,38 @@
+// What a run leaves behind: its steps with their dense output, and the modes they were taken in.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "hybrid/integrator.hpp"
+#include "hybrid/system.hpp"
+
+namespace manutec_r3::hybrid {
+
+struct Event {
+  double time;
+  Element element;
+  int before;
+  int after;
+};
+
+struct Trajectory {
+  // Step i covers [begin[i], end[i]) in mode modes[mode[i]]; the next begins where it ends. At an
+  // event both sides are there: the end of one step, the beginning of the next.
+  std::vector<double> begin, end;
+  std::vector<int> mode;
+  std::vector<double> dense;  // dense_size values per step
+  std::size_t dense_size = 0;
+  std::vector<Mode> modes;
+
+  std::size_t n_steps() const { return begin.size(); }
+  Step step(std::size_t index) const;
+
+  void append(const Step& step, const Mode& mode);
+  // Forgets what lies beyond t.
+  void cut(double t);
+  // The step that t falls into, the later one at an instant that two steps share.
+  std::size_t step_at(double t) const;
+};
+
+}  // namespace manutec_r3::hybrid

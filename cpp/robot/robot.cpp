@@ -1,0 +1,96 @@
+#include "robot/robot.hpp"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+#include <utility>
+
+namespace manutec_r3::robot {
+namespace {
+
+using arm::RotorCoupling;
+
+// Rotors of axes 1 to 3 in models 3 and 4 are treated as if their axes were fixed in space
+// (spec 5.2); all others are fully coupled (spec 11).
+template <std::size_t N>
+std::array<RotorCoupling, N> coupling(int n_elastic, RotorCoupling of_elastic) {
+  std::array<RotorCoupling, N> coupling;
+  coupling.fill(RotorCoupling::full);
+  std::fill_n(coupling.begin(), n_elastic, of_elastic);
+  return coupling;
+}
+
+Robot::AnyMechanism mechanism(int n_axes, const arm::Load& load, int n_elastic,
+                              RotorCoupling of_elastic) {
+  if (n_axes == 6) {
+    return six_arm_mechanism(load, drive::gear_ratio, coupling<6>(n_elastic, of_elastic));
+  }
+  std::array<double, 3> ratio;
+  std::copy_n(drive::gear_ratio.begin(), 3, ratio.begin());
+  return lumped_mechanism(load, ratio, coupling<3>(n_elastic, of_elastic));
+}
+
+int checked_model(int model) {
+  if (model >= 1 && model <= 4) return model;
+  throw std::invalid_argument("model: expected 1, 2, 3 or 4, got " + std::to_string(model));
+}
+
+}  // namespace
+
+Robot::Robot(int model, const arm::Load& load, Controller controller)
+    : model_(checked_model(model)),
+      load_((arm::check(load), load)),
+      controller_(controller),
+      arm_(mechanism(n_axes(), load, n_elastic(), RotorCoupling::simplified)),
+      arm_behind_gears_(mechanism(n_axes(), load, n_elastic(), RotorCoupling::separate)) {
+  const auto add_states = [this](const char* name, const char* unit, double nominal, int size) {
+    if (size > 0) states_.push_back({name, unit, nominal, n_states(), size});
+  };
+  const int n = n_axes();
+  const int electrical = has_controller() ? n : 0;
+  add_states("joint_angle", "rad", 1e-2, n);
+  add_states("joint_rate", "rad/s", 1.0, n);
+  add_states("deflection", "rad", 0.1, n_elastic());
+  add_states("rotor_rate", "rad/s", 50.0, n_elastic());
+  add_states("tachogenerator_1", "V", 1.0, electrical);
+  add_states("tachogenerator_2", "V", 1.0, electrical);
+  add_states("tachogenerator_3", "V/s", 2e3, electrical);
+  add_states("filter", "V", 1.0, electrical);
+  add_states("controller", "V", 0.1, electrical);
+  add_states("voltage", "V", 1.0, electrical);
+  add_states("pt2_torque", "N m", 1.0, electrical);
+  add_states("pt2_torque_rate", "N m/s", 5e3, electrical);
+
+  const auto add_indicators = [this](const char* name, int n_axes) {
+    if (n_axes > 0) indicators_.push_back({name, n_indicators(), 2 * n_axes});
+  };
+  add_indicators("dead_zone", electrical);
+  add_indicators("torque_limit", electrical);
+  add_indicators("friction", has_real_gears() ? n : 0);
+  add_indicators("backlash", n_elastic());
+}
+
+int Robot::n_states() const {
+  return states_.empty() ? 0 : states_.back().first + states_.back().size;
+}
+
+int Robot::n_indicators() const {
+  return indicators_.empty() ? 0 : indicators_.back().first + indicators_.back().size;
+}
+
+void check_motion(const Robot& robot, const motion::Motion& motion) {
+  if (motion.n_axes() < robot.n_axes()) {
+    throw std::invalid_argument("motion: expected 6 axes for model " +
+                                std::to_string(robot.model()) + ", got " +
+                                std::to_string(motion.n_axes()));
+  }
+  for (int i = robot.n_axes(); i < motion.n_axes(); ++i) {
+    if (!motion.rests_at_zero(i)) {
+      throw std::invalid_argument("motion: axis " + std::to_string(i + 1) + " is braked at 0 rad in "
+                                  "model " + std::to_string(robot.model()) +
+                                  "; expected exactly 0 there, got a motion");
+    }
+  }
+}
+
+}  // namespace manutec_r3::robot

@@ -1,0 +1,177 @@
+#include "robot/start.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "arm/composite.hpp"
+#include "drive/gear.hpp"
+
+namespace manutec_r3::robot {
+namespace {
+
+// A torque below this counts as zero; otherwise roundoff puts an axis on one edge of its dead zone
+// or backlash (spec 4) [N m].
+constexpr double zero_torque = 1e-12;
+// The sagging arms of axes 1 to 3 converge by a factor of more than ten per iteration.
+constexpr int most_iterations = 100;
+// A rotor's angle or rate that is given as well may differ from p times its joint's by rounding.
+constexpr double rigid_tolerance = 1e-9;
+
+std::vector<double> gravity_torques(const Robot& robot, const std::vector<double>& q) {
+  return std::visit(
+      [&q]<int N>(const arm::Mechanism<N>& mechanism) {
+        const arm::Vector<N> h = arm::gravity_torques<N>(
+            mechanism, Eigen::Map<const arm::Vector<N>>(q.data()));
+        return std::vector<double>(h.begin(), h.end());
+      },
+      robot.arm());
+}
+
+// The part of a state vector that holds a group; empty if the robot has no such states.
+std::span<double> group(const Robot& robot, std::vector<double>& x, std::string_view name) {
+  for (const StateGroup& states : robot.states()) {
+    if (states.name == name) return std::span(x).subspan(states.first, states.size);
+  }
+  return {};
+}
+
+void check_per_axis(const Robot& robot, const std::string& name, const std::string& unit,
+                    const std::vector<double>& values) {
+  if (static_cast<int>(values.size()) != robot.n_axes()) {
+    throw std::invalid_argument(name + ": expected " + std::to_string(robot.n_axes()) +
+                                " values, one per axis, got " + std::to_string(values.size()));
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (std::isfinite(values[i])) continue;
+    std::ostringstream message;
+    message << name << " of axis " << i + 1 << ": expected a finite value [" << unit << "], got "
+            << values[i];
+    throw std::invalid_argument(message.str());
+  }
+}
+
+void check_rigid(const Robot& robot, const std::string& name, const std::string& unit,
+                 const std::vector<double>& rotor, const std::vector<double>& joint) {
+  for (int i = robot.n_elastic(); i < robot.n_axes(); ++i) {
+    const double expected = drive::gear_ratio[i] * joint[i];
+    if (std::abs(rotor[i] - expected) <= rigid_tolerance * (1.0 + std::abs(expected))) continue;
+    std::ostringstream message;
+    message << name << " of axis " << i + 1 << ": the gear is rigid, expected p times the joint's, "
+            << expected << " " << unit << ", got " << rotor[i] << " " << unit;
+    throw std::invalid_argument(message.str());
+  }
+}
+
+}  // namespace
+
+std::vector<double> rest_state(const Robot& robot, const motion::Motion* motion, Start start) {
+  const int n = robot.n_axes();
+  const drive::ElasticGear gear;
+  std::vector<double> reference(n, 0.0);
+  if (motion) {
+    const int piece = motion->piece_at(0.0);
+    for (int i = 0; i < n; ++i) reference[i] = motion->reference(piece, 0.0, i).angle;
+  }
+
+  // Torques depend on where the arms sag to, and where they sag to on the torques.
+  std::vector<double> q = reference, torque(n), deflection(robot.n_elastic());
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    torque = gravity_torques(robot, q);
+    for (int i = 0; i < n; ++i) {
+      torque[i] /= drive::gear_ratio[i];
+      if (std::abs(torque[i]) < zero_torque) torque[i] = 0.0;
+    }
+    bool converged = true;
+    for (int i = 0; i < robot.n_elastic(); ++i) {
+      deflection[i] = gear.deflection_under(i, torque[i]);
+      const double sagged =
+          start == Start::rotor ? reference[i] - deflection[i] / drive::gear_ratio[i] : q[i];
+      converged &= sagged == q[i];
+      q[i] = sagged;
+    }
+    if (converged) break;
+  }
+
+  std::vector<double> x(robot.n_states(), 0.0);
+  std::ranges::copy(q, group(robot, x, "joint_angle").begin());
+  std::ranges::copy(deflection, group(robot, x, "deflection").begin());
+  if (!robot.has_controller()) return x;
+  for (int i = 0; i < n; ++i) {
+    if (std::abs(torque[i]) > drive::torque_limit[i]) {
+      std::ostringstream message;
+      message << "start: the motor of axis " << i + 1 << " would need " << torque[i]
+              << " N m to hold the arm at rest at " << q[i] << " rad; expected at most "
+              << drive::torque_limit[i] << " N m";
+      throw std::invalid_argument(message.str());
+    }
+    const double v = torque[i] / drive::K_M[i];
+    const double U = v + (v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0) * drive::dead_zone_half_width[i];
+    group(robot, x, "controller")[i] = U;
+    group(robot, x, "voltage")[i] = U;
+    group(robot, x, "pt2_torque")[i] = torque[i];
+  }
+  return x;
+}
+
+std::vector<double> state_from(const Robot& robot, const Posture& posture) {
+  const int n = robot.n_axes();
+  const auto given_or = [&](const std::optional<std::vector<double>>& given, const char* name,
+                            const char* unit, const std::vector<double>& otherwise) {
+    if (!given) return otherwise;
+    check_per_axis(robot, name, unit, *given);
+    return *given;
+  };
+  const std::vector<double> zero(n, 0.0);
+  check_per_axis(robot, "joint_angle", "rad", posture.joint_angle);
+  const std::vector<double> joint_rate = given_or(posture.joint_rate, "joint_rate", "rad/s", zero);
+  std::vector<double> rotor_angle(n), rotor_rate(n);
+  for (int i = 0; i < n; ++i) {
+    rotor_angle[i] = drive::gear_ratio[i] * posture.joint_angle[i];
+    rotor_rate[i] = drive::gear_ratio[i] * joint_rate[i];
+  }
+  rotor_angle = given_or(posture.rotor_angle, "rotor_angle", "rad", rotor_angle);
+  rotor_rate = given_or(posture.rotor_rate, "rotor_rate", "rad/s", rotor_rate);
+  check_rigid(robot, "rotor_angle", "rad", rotor_angle, posture.joint_angle);
+  check_rigid(robot, "rotor_rate", "rad/s", rotor_rate, joint_rate);
+  const std::vector<double> torque = given_or(posture.motor_torque, "motor_torque", "N m", zero);
+  if (posture.motor_torque && !robot.has_controller()) {
+    throw std::invalid_argument(
+        "motor_torque: without a controller it is an input of the simulator, not a state");
+  }
+
+  std::vector<double> x(robot.n_states(), 0.0);
+  std::ranges::copy(posture.joint_angle, group(robot, x, "joint_angle").begin());
+  std::ranges::copy(joint_rate, group(robot, x, "joint_rate").begin());
+  for (int i = 0; i < robot.n_elastic(); ++i) {
+    group(robot, x, "deflection")[i] =
+        rotor_angle[i] - drive::gear_ratio[i] * posture.joint_angle[i];
+    group(robot, x, "rotor_rate")[i] = rotor_rate[i];
+  }
+  if (robot.has_controller()) std::ranges::copy(torque, group(robot, x, "pt2_torque").begin());
+  return x;
+}
+
+void check_state(const Robot& robot, std::span<const double> x) {
+  if (static_cast<int>(x.size()) != robot.n_states()) {
+    throw std::invalid_argument("start: expected a state vector of " +
+                                std::to_string(robot.n_states()) + " values, got " +
+                                std::to_string(x.size()));
+  }
+  for (const StateGroup& states : robot.states()) {
+    for (int i = 0; i < states.size; ++i) {
+      const double value = x[states.first + i];
+      if (std::isfinite(value)) continue;
+      std::ostringstream message;
+      message << "start: expected a finite " << states.name << " of axis " << i + 1 << " ["
+              << states.unit << "], got " << value;
+      throw std::invalid_argument(message.str());
+    }
+  }
+}
+
+}  // namespace manutec_r3::robot

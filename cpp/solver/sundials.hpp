@@ -1,0 +1,82 @@
+// What every use of SUNDIALS here shares: a context that prints nothing, vectors that free
+// themselves, and a right-hand side that lets no exception pass through C.
+#pragma once
+
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_context.h>
+
+#include <exception>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "hybrid/system.hpp"
+
+namespace manutec_r3::solver {
+
+static_assert(std::is_same_v<sunrealtype, double>, "SUNDIALS must be built in double precision");
+
+// One per integrator, so that integrators may run in different threads.
+class Context {
+ public:
+  Context();
+  ~Context();
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+
+  operator SUNContext() const { return context_; }
+  // What SUNDIALS said last; empty if it has not complained.
+  const std::string& message() const { return message_; }
+
+ private:
+  SUNContext context_ = nullptr;
+  std::string message_;
+};
+
+class Vector {
+ public:
+  Vector(int size, const Context& context);
+  ~Vector() { N_VDestroy(vector_); }
+  Vector(const Vector&) = delete;
+  Vector& operator=(const Vector&) = delete;
+
+  operator N_Vector() const { return vector_; }
+  double* data() { return N_VGetArrayPointer(vector_); }
+
+ private:
+  N_Vector vector_;
+};
+
+// The derivatives of a system as SUNDIALS calls them, counted. The latest derivatives that
+// somebody has asked for by name are kept, because the next step begins with the same ones.
+class RightHandSide {
+ public:
+  explicit RightHandSide(hybrid::System& system);
+
+  // For SUNDIALS: `self` is the RightHandSide.
+  static int call(sunrealtype t, N_Vector x, N_Vector derivatives, void* self);
+
+  void evaluate(double t, const double* x, double* derivatives);
+  void evaluate_and_keep(double t, const double* x, double* derivatives);
+  // The mode has changed: what was kept is no longer true.
+  void forget() { kept_ = false; }
+
+  // Throws what the system threw inside SUNDIALS, if it did.
+  void rethrow();
+
+  hybrid::System& system() { return system_; }
+  long evaluations() const { return evaluations_; }
+
+ private:
+  hybrid::System& system_;
+  long evaluations_ = 0;
+  bool kept_ = false;
+  double kept_t_ = 0.0;
+  std::vector<double> kept_x_, kept_derivatives_;
+  std::exception_ptr thrown_;
+};
+
+// Absolute tolerances: the relative one, scaled by the nominal values.
+void set_absolute_tolerances(const hybrid::System& system, double relative, Vector& absolute);
+
+}  // namespace manutec_r3::solver

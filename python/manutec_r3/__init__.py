@@ -1,0 +1,40 @@
+"""The reference simulator of the Manutec r3 robot: arm, drives and controllers.
+
+A `Robot` that follows a motion is simulated by `simulate`, or step by step by a `Simulator`; a
+`Scenario` is both in one file.
+
+    import manutec_r3 as r3
+
+    robot = r3.Robot(model=3, load=r3.Load(mass=15.0))
+    motion = r3.Quintic(start=[0] * 6, end=[1.0, 1.0, 0.6, -0.2, -0.15, -0.1], duration=1.2)
+    result = r3.simulate(robot, motion, t_end=1.5)
+
+All quantities are in SI units; axes are counted from 1.
+"""
+
+from .errors import SimulationError
+from .events import Event, Events
+from .motion import Hold, Motion, Quintic, Trapezoid
+from .result import Result, Samples, Statistics
+from .robot import Load, Robot
+from .scenario import Scenario, scenarios
+from .simulation import Simulator, simulate
+
+__all__ = [
+    "Event",
+    "Events",
+    "Hold",
+    "Load",
+    "Motion",
+    "Quintic",
+    "Result",
+    "Robot",
+    "Samples",
+    "Scenario",
+    "SimulationError",
+    "Simulator",
+    "Statistics",
+    "Trapezoid",
+    "scenarios",
+    "simulate",
+]

@@ -1,0 +1,47 @@
+"""Numbers at the door: what users pass becomes arrays of floats, or a clear error."""
+
+from typing import Any
+
+import numpy as np
+
+
+def number(name: str, value: Any, unit: str) -> float:
+    """Return a finite float; errors name the argument and its unit."""
+    array = floats(name, value, unit)
+    if array.ndim != 0:
+        raise ValueError(f"{name}: expected one number [{unit}], got shape {array.shape}")
+    return float(array)
+
+
+def floats(name: str, value: Any, unit: str) -> np.ndarray:
+    """Return an array of finite floats; errors name the argument, its unit and the entry."""
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name}: expected numbers [{unit}], got {value!r}") from None
+    if not np.isfinite(array).all():
+        entry = tuple(int(k) for k in np.argwhere(~np.isfinite(array))[0])
+        place = f" at index {entry[0] if len(entry) == 1 else entry}" if entry else ""
+        raise ValueError(f"{name}: expected finite values [{unit}], got {array[entry]}{place}")
+    return array
+
+
+def per_axis(name: str, value: Any, unit: str, n_axes: int) -> np.ndarray:
+    """Return an array (..., n_axes) of finite floats."""
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise TypeError(
+            f"{name}: expected {n_axes} numbers [{unit}], one per axis, got {value!r}"
+        ) from None
+    if array.ndim == 0 or array.shape[-1] != n_axes:
+        raise ValueError(
+            f"{name}: expected {n_axes} values [{unit}] along the last dimension, one per axis, "
+            f"got shape {array.shape}"
+        )
+    if not np.isfinite(array).all():
+        entry = tuple(np.argwhere(~np.isfinite(array))[0])
+        raise ValueError(
+            f"{name} of axis {entry[-1] + 1}: expected a finite value [{unit}], got {array[entry]}"
+        )
+    return array

@@ -1,0 +1,45 @@
+"""What can go wrong in a run; wrong arguments are `ValueError` and `TypeError`."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from .result import Result
+
+
+class SimulationError(RuntimeError):
+    """A run could not go on.
+
+    Attributes
+    ----------
+    time : float
+        How far it came [s].
+    state : ndarray (n_states,)
+        The state there.
+    branches : dict of str to ndarray (n_axes,)
+        The branch of each element there.
+    reason : str
+        What went wrong, in the words of the solver if it was the solver.
+    result : Result or None
+        Everything computed so far; None if it was stepped by a `Simulator`, which stays where it is.
+    """
+
+    def __init__(
+        self,
+        time: float,
+        state: np.ndarray,
+        branches: dict[str, np.ndarray],
+        reason: str,
+        result: "Result | None" = None,
+    ) -> None:
+        super().__init__(f"the simulation ended at t = {time:.9g} s: {reason}")
+        self.time = time
+        self.state = state
+        self.branches = branches
+        self.reason = reason
+        self.result = result
+
+    def __reduce__(self) -> tuple:
+        arguments = (self.time, self.state, self.branches, self.reason, self.result)
+        return type(self), arguments

@@ -1,0 +1,65 @@
+"""The table of events of a run."""
+
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Event(NamedTuple):
+    """A branch has switched, or the reference has passed a knot.
+
+    Attributes
+    ----------
+    time : float
+        When [s].
+    axis : int
+        1 to n_axes; 0: the whole robot.
+    element : str
+        ``dead_zone``, ``torque_limit``, ``backlash``, ``friction`` or ``reference``.
+    before, after : int
+        Branches -1, 0, +1; friction: rotor slides backward, sticks, slides forward.
+    """
+
+    time: float
+    axis: int
+    element: str
+    before: int
+    after: int
+
+
+class Events:
+    """Events in the order of time; columns are arrays (n,).
+
+    Attributes
+    ----------
+    time, axis, element, before, after : ndarray (n,)
+        See `Event`.
+    """
+
+    def __init__(self, events: Iterable[Event]) -> None:
+        self._rows = tuple(Event(*event) for event in events)
+        columns = tuple(zip(*self._rows, strict=True)) or ((),) * len(Event._fields)
+        self.time = np.array(columns[0], float)
+        self.axis = np.array(columns[1], int)
+        self.element = np.array(columns[2], str)
+        self.before = np.array(columns[3], int)
+        self.after = np.array(columns[4], int)
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __iter__(self) -> Iterator[Event]:
+        return iter(self._rows)
+
+    def __getitem__(self, index: int) -> Event:
+        return self._rows[index]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Events) and self._rows == other._rows
+
+    def __hash__(self) -> int:
+        return hash(self._rows)
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} events>"

@@ -1,0 +1,169 @@
+"""Pictures of a result; they need Matplotlib: ``pip install "manutec-r3[plot]"``."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .result import Result
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Told apart in grey print and with any colour vision: the reference is broad and pale, what
+# follows it is thin and dark.
+_SIMULATED = "#0b3c6f"
+_REFERENCE = "#f2a541"
+_STICKING = "#e3e7eb"
+_LINE = "#9aa2ab"
+_TEXT = "#333a42"
+
+
+def sticking(result: Result, axis: int) -> tuple[np.ndarray, np.ndarray]:
+    """Intervals in which an axis sticks.
+
+    Parameters
+    ----------
+    result : Result
+        A simulation.
+    axis : int
+        1 to n_axes.
+
+    Returns
+    -------
+    begin, end : ndarray (k,)
+        Exact event times [s], or the ends of the simulation; none in models 1 and 2, whose gears
+        are ideal.
+    """
+    if result.robot.model in (1, 2):
+        return np.empty(0), np.empty(0)
+    sticks = result.branches["friction"][:, axis - 1] == 0
+    edges = np.flatnonzero(np.diff(sticks, prepend=False, append=False))
+    # An event's instant is recorded both before and after it, so the first and the last sample
+    # of a stay are its exact ends.
+    return result.time[edges[::2]], result.time[edges[1::2] - 1]
+
+
+def figure9(result: Result) -> "Figure":
+    """Draw a result as the report's Figure 9 does.
+
+    For each axis the joint angle with its reference, the control error and the motor torque,
+    the latter two with their largest deviation from zero. The time during which the axis sticks is
+    shaded; dotted lines stand at the knots of the reference.
+
+    Parameters
+    ----------
+    result : Result
+        A simulation.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Independent of `matplotlib.pyplot`; its ``savefig("figure9.png")`` writes it.
+
+    Raises
+    ------
+    ImportError
+        If Matplotlib is not installed.
+    """
+    try:
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise ImportError('a picture needs Matplotlib: pip install "manutec-r3[plot]"') from error
+
+    n = result.robot.n_axes
+    figure = Figure(figsize=(11.0, 1.8 + 1.65 * n), layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06)
+    figure.suptitle(_title(result), fontsize=14, fontweight="bold", color=_TEXT)
+    panels = figure.subplots(n, 3, sharex=True)
+
+    for i, (angle, error, torque) in enumerate(panels):
+        reference = result.reference_angle[:, i]
+        angle.plot(result.time, reference, color=_REFERENCE, linewidth=4.5, label="reference")
+        _draw(angle, result.time, result.joint_angle[:, i])
+        _draw(error, result.time, 1e3 * result.control_error[:, i], unit="mrad")
+        _draw(torque, result.time, result.motor_torque[:, i], unit="N m")
+        for panel in (angle, error, torque):
+            _shade(panel, result, axis=i + 1)
+            _tidy(panel)
+        angle.set_ylabel(f"axis {i + 1}", fontsize=11, color=_TEXT)
+
+    titles = ("Joint angle [rad]", "Control error [mrad]", "Motor torque [N m]")
+    for panel, title in zip(panels[0], titles, strict=True):
+        panel.set_title(title, loc="left", fontsize=11, fontweight="bold", color=_TEXT, pad=20)
+    for panel in panels[-1]:
+        panel.set_xlabel("time [s]", fontsize=10, color=_TEXT)
+    figure.align_ylabels(panels[:, 0])
+    _explain(figure, panels[:, 0])
+    return figure
+
+
+def _title(result: Result) -> str:
+    load = result.robot.load
+    carried = f"load {load.mass:g} kg" if load and load.mass else "no load"
+    return f"Manutec r3, model {result.robot.model}, {carried}"
+
+
+def _draw(panel: "Axes", time: np.ndarray, values: np.ndarray, unit: str | None = None) -> None:
+    """Draw a signal, with a line at zero and its peak if there is a unit to name it in."""
+    panel.plot(time, values, color=_SIMULATED, linewidth=1.2, label="simulated")
+    if unit and np.isfinite(values).all():  # there is no control error without a motion
+        panel.axhline(0.0, color=_LINE, linewidth=0.6, zorder=1)
+        peak = np.argmax(np.abs(values))
+        panel.annotate(
+            f"peak {values[peak]:#.3g} {unit} at {time[peak]:.2f} s".replace("-", "\N{MINUS SIGN}"),
+            xy=(1.0, 1.0),
+            xycoords="axes fraction",
+            xytext=(0.0, 4.0),
+            textcoords="offset points",
+            horizontalalignment="right",
+            fontsize=8.5,
+            color=_TEXT,
+        )
+
+
+def _shade(panel: "Axes", result: Result, axis: int) -> None:
+    """Mark, behind the signals, when the axis sticks and the knots of the reference."""
+    begin, end = sticking(result, axis)
+    if begin.size:
+        panel.broken_barh(
+            np.column_stack((begin, end - begin)),
+            (0.0, 1.0),
+            transform=panel.get_xaxis_transform(),
+            facecolor=_STICKING,
+            linewidth=0.0,
+            zorder=0,
+            label="axis sticks",
+        )
+    for event in result.events:
+        if event.element == "reference":
+            panel.axvline(
+                event.time, color=_LINE, linestyle=":", zorder=1, label="knot of the reference"
+            )
+
+
+def _tidy(panel: "Axes") -> None:
+    panel.spines[["top", "right"]].set_visible(False)
+    panel.spines[["left", "bottom"]].set_color(_LINE)
+    panel.tick_params(labelsize=9, color=_LINE, labelcolor=_TEXT)
+    panel.locator_params("x", nbins=6, steps=(1, 2, 3, 5, 10))
+    panel.locator_params("y", nbins=5, steps=(1, 2, 5, 10))
+    panel.margins(x=0.0, y=0.1)
+
+
+def _explain(figure: "Figure", panels: np.ndarray) -> None:
+    """Explain below what is drawn in the panels, once."""
+    handles = {
+        label: handle
+        for panel in panels
+        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
+    }
+    figure.legend(
+        handles.values(),
+        handles.keys(),
+        loc="outside lower center",
+        ncols=len(handles),
+        frameon=False,
+        fontsize=10,
+        labelcolor=_TEXT,
+    )

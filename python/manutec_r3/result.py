@@ -1,0 +1,202 @@
+"""What came out of a run."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from . import _core
+from .arguments import floats
+from .events import Events
+from .motion import Motion
+from .robot import Robot
+from .signals import Signals, signal_names
+
+Method = Literal["erk", "bdf"]
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """The work of a run, summed over all restarts.
+
+    Attributes
+    ----------
+    evaluations : int
+        Of the right-hand side, for steps and for the location of events.
+    steps, rejected_steps : int
+        Accepted; rejected by the error control.
+    events : int
+        Branches that switched and knots of the reference.
+    restarts : int
+        Of the integration: one for all events of an instant, and one for each kink of friction.
+    samples : int
+        Of a sampled controller.
+    seconds : float
+        Wall-clock time [s].
+    """
+
+    evaluations: int
+    steps: int
+    rejected_steps: int
+    events: int
+    restarts: int
+    samples: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Run:
+    """A recorded run: the steps of the integrator, and what they are steps of."""
+
+    robot: Robot
+    motion: Motion | None
+    method: Method
+    trajectory: _core.Trajectory
+
+
+class Samples(Signals):
+    """Signals of a run at given instants.
+
+    Attributes
+    ----------
+    time : ndarray (n,)
+        The instants [s].
+    state : ndarray (n, n_states)
+        States, see `Robot.state_names`.
+    branches : dict of str to ndarray (n, n_axes)
+        Branches -1, 0, +1 of ``dead_zone``, ``torque_limit``, ``backlash`` and ``friction``.
+    signals : tuple of str
+        Names of all signals, ``state`` included.
+
+    All signals of `Signals` are attributes as well, as arrays (n, n_axes).
+    """
+
+    signals = (*signal_names, "state")
+
+    def __init__(self, run: Run, time: np.ndarray, step: np.ndarray) -> None:
+        self._run = run
+        self._step = step  # the step of the integrator that each instant belongs to
+        self.time = time
+
+    @cached_property
+    def _values(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        run = self._run
+        motion = None if run.motion is None else run.motion._compiled
+        method = _core.Method[run.method]
+        return _core.evaluate(
+            run.robot._compiled, motion, method, run.trajectory, self.time, self._step
+        )
+
+    @property
+    def state(self) -> np.ndarray:
+        return self._values[0]
+
+    @property
+    def branches(self) -> dict[str, np.ndarray]:
+        return dict(zip(_core.axis_elements, self._values[2], strict=True))
+
+    def _signal(self, name: str) -> np.ndarray:
+        return self._values[1][signal_names.index(name)]
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+
+class Result(Samples):
+    """A run: signals at all steps of the integrator, or at the times asked for, and at all events.
+
+    At an event both sides are recorded: its instant stands twice in `time`, before and after.
+
+    Attributes
+    ----------
+    robot : Robot
+        What was simulated.
+    motion : Motion or None
+        Its reference.
+    t_end : float
+        Where the run ended [s].
+    method : {"erk", "bdf"}
+        Integration method.
+    rtol : float
+        Its tolerance, relative to the states' nominal values as well as to their values.
+    events : Events
+        Every switch of every branch.
+    statistics : Statistics
+        What it took.
+    """
+
+    def __init__(
+        self,
+        run: Run,
+        rtol: float,
+        events: Events,
+        statistics: Statistics,
+        t_end: float,
+        times: np.ndarray | None = None,
+    ) -> None:
+        super().__init__(run, *_instants(run.trajectory, np.unique(events.time), times))
+        self.robot = run.robot
+        self.motion = run.motion
+        self.method = run.method
+        self.rtol = rtol
+        self.events = events
+        self.statistics = statistics
+        self.t_end = t_end
+
+    def at(self, times: float | np.ndarray) -> Samples:
+        """Signals at any instants of the run, as accurate as at the steps.
+
+        Parameters
+        ----------
+        times : array_like (n,) or float
+            Instants [s] from 0 to `t_end`, in any order. At an event the values are those after it.
+
+        Returns
+        -------
+        Samples
+
+        Raises
+        ------
+        ValueError
+            If an instant lies outside the run.
+        """
+        t = np.atleast_1d(floats("times", times, "s"))
+        outside = (t < 0.0) | (t > self.t_end)
+        if outside.any():
+            raise ValueError(
+                f"times: expected instants from 0 to {self.t_end:g} s, got {t[outside][0]:g} s"
+            )
+        return Samples(self._run, t, _step_at(self._run.trajectory.begin, t))
+
+    def __repr__(self) -> str:
+        return (
+            f"<Result of model {self.robot.model}: 0 to {self.t_end:g} s, {len(self)} instants, "
+            f"{len(self.events)} events>"
+        )
+
+
+def _step_at(begin: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Index of the step that each instant falls into, the later one where two meet."""
+    return np.maximum(np.searchsorted(begin, t, side="right") - 1, 0)
+
+
+def _instants(
+    trajectory: _core.Trajectory, event_times: np.ndarray, times: np.ndarray | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Instants to record and their steps: all steps or the given times, events on both sides."""
+    begin, end = trajectory.begin, trajectory.end
+    before = np.flatnonzero(np.isin(end, event_times))  # steps that end at an event
+    if times is None:
+        after = np.arange(len(begin))
+        t = begin
+        if len(end) and end[-1] not in event_times:
+            t, after = np.append(t, end[-1]), np.append(after, len(end) - 1)
+    else:
+        t = np.union1d(times, end[before])
+        after = _step_at(begin, t)
+    # Before an event comes the end of one step, after it the beginning of the next.
+    t = np.concatenate((end[before], t))
+    step = np.concatenate((before, after))
+    order = np.lexsort((step, t))
+    return t[order], step[order]

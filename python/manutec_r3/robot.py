@@ -1,0 +1,311 @@
+"""The robot and its load: what is simulated."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+
+from . import _core
+from .arguments import floats, number, per_axis
+from .motion import Motion
+
+
+@dataclass(frozen=True)
+class Load:
+    """A point mass at the tip.
+
+    Parameters
+    ----------
+    mass : float
+        0 to 15 kg; the default is no load.
+    position : (float, float, float)
+        Where it is, in the frame of arm 6 [m]: at most 0.1 m off the axis, 0.15 to 0.25 m along it.
+    bounds : bool
+        False to accept any position and any mass that is not negative.
+
+    Raises
+    ------
+    ValueError, TypeError
+        What was wrong (argument, unit), what was expected, what arrived.
+    """
+
+    mass: float = 0.0
+    position: tuple[float, float, float] = (0.0, 0.0, 0.25)
+    bounds: bool = True
+
+    def __post_init__(self) -> None:
+        mass = number("load.mass", self.mass, "kg")
+        position = floats("load.position", self.position, "m")
+        if position.shape != (3,):
+            raise ValueError(
+                f"load.position: expected three coordinates [m], got shape {position.shape}"
+            )
+        object.__setattr__(self, "mass", mass)
+        object.__setattr__(self, "position", tuple(position.tolist()))
+        _core.check_load(self.mass, self.position, self.bounds)
+
+
+@dataclass(frozen=True)
+class Robot:
+    """One of the four DLR models of the Manutec r3 (report section 4, Table 4).
+
+    Immutable, picklable, comparable.
+
+    Parameters
+    ----------
+    model : {1, 2, 3, 4}
+        1: six arms, ideal gears; 2: three moving arms, ideal gears; 3: six arms, gears with
+        elasticity, damping and backlash (axes 1 to 3) and friction (all axes); 4: the same with
+        three moving arms. Each with controllers and motors.
+    load : Load, optional
+        Default: none.
+    controller : {"continuous", None}
+        Position controllers that are evaluated at every instant, or neither controllers nor motor
+        dynamics: then motor torques are inputs.
+
+    Raises
+    ------
+    ValueError, TypeError
+        What was wrong, what was expected, what arrived.
+    """
+
+    model: int = 3
+    load: Load | None = None
+    controller: Literal["continuous"] | None = "continuous"
+
+    def __post_init__(self) -> None:
+        if isinstance(self.model, bool) or not isinstance(self.model, int | np.integer):
+            raise TypeError(f"model: expected 1, 2, 3 or 4, got {self.model!r}")
+        if self.load is None:
+            object.__setattr__(self, "load", Load())
+        if not isinstance(self.load, Load):
+            raise TypeError(f"load: expected a Load, got {self.load!r}")
+        if self.controller is not None and not isinstance(self.controller, str):
+            raise TypeError(f"controller: expected 'continuous' or None, got {self.controller!r}")
+        object.__setattr__(self, "model", int(self.model))
+        _ = self._compiled
+
+    @cached_property
+    def _compiled(self) -> _core.Robot:
+        load = self.load
+        return _core.Robot(self.model, load.mass, load.position, load.bounds, self.controller)
+
+    def __getstate__(self) -> dict:
+        return {name: value for name, value in self.__dict__.items() if name != "_compiled"}
+
+    # --- sizes and names ------------------------------------------------------------------------
+
+    @property
+    def n_axes(self) -> int:
+        """Number of moving axes: 6 or 3."""
+        return self._compiled.n_axes
+
+    @property
+    def n_states(self) -> int:
+        """Order of the dynamic system."""
+        return self._compiled.n_states
+
+    @property
+    def n_indicators(self) -> int:
+        """Number of indicator functions, as Table 4 counts them."""
+        return self._compiled.n_indicators
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """Name of each state, such as ``joint_angle[1]``: quantity by quantity, axis fastest."""
+        return tuple(
+            f"{name}[{axis + 1}]"
+            for name, _, _, _, size in self._compiled.state_groups
+            for axis in range(size)
+        )
+
+    @property
+    def state_units(self) -> tuple[str, ...]:
+        """Unit of each state."""
+        return tuple(u for _, u, _, _, size in self._compiled.state_groups for _ in range(size))
+
+    @property
+    def state_nominals(self) -> np.ndarray:
+        """Magnitude of each state, by which tolerances are scaled."""
+        groups = self._compiled.state_groups
+        return np.array([nominal for _, _, nominal, _, size in groups for _ in range(size)])
+
+    @property
+    def indicator_names(self) -> tuple[str, ...]:
+        """Name of each indicator function, such as ``dead_zone_upper[1]``."""
+        return tuple(
+            f"{name}_{side}[{axis + 1}]"
+            for name, size in self._compiled.indicator_groups
+            for axis in range(size // 2)
+            for side in ("upper", "lower")
+        )
+
+    @property
+    def parameters(self) -> dict[str, dict[str, Any]]:
+        """Tables 1 to 3 as data: ``table_1`` controllers and motors, ``table_2`` gears, ``table_3``
+        multibody data. Keys are the report's symbols, values are in SI units, six per row.
+        """
+        return _core.parameters()
+
+    # --- states ---------------------------------------------------------------------------------
+
+    def rest_state(self, motion: Motion | None = None, start: str = "rotor") -> np.ndarray:
+        """State at rest at the beginning of a motion (specification section 4).
+
+        Parameters
+        ----------
+        motion : Motion, optional
+            Default: rest at zero angles.
+        start : {"rotor", "arm"}
+            What is on the reference: the rotors, as the controller demands, so that arms 1 to 3
+            sag; or the arms.
+
+        Returns
+        -------
+        ndarray (n_states,)
+
+        Raises
+        ------
+        ValueError
+            If a motor would need more than its torque limit, or the motion does not fit the robot.
+        """
+        return self._compiled.rest_state(self._core_motion(motion), start)
+
+    def state_from(
+        self,
+        joint_angle: Sequence[float],
+        joint_rate: Sequence[float] | None = None,
+        rotor_angle: Sequence[float] | None = None,
+        rotor_rate: Sequence[float] | None = None,
+        motor_torque: Sequence[float] | None = None,
+    ) -> np.ndarray:
+        """State vector from quantities of the axes; all other states are zero.
+
+        Parameters
+        ----------
+        joint_angle, joint_rate : sequence of n_axes floats
+            Joint side [rad, rad/s]; rates default to zero.
+        rotor_angle, rotor_rate : sequence of n_axes floats, optional
+            Motor side [rad, rad/s]; default: gear ratio times the joint. Where the gear is rigid
+            nothing else is accepted.
+        motor_torque : sequence of n_axes floats, optional
+            Torque of the motors [N m], motor side; default zero.
+
+        Returns
+        -------
+        ndarray (n_states,)
+
+        Raises
+        ------
+        ValueError, TypeError
+            What was wrong (argument, axis, unit), what was expected, what arrived.
+        """
+        given = {
+            "joint_angle": (joint_angle, "rad"),
+            "joint_rate": (joint_rate, "rad/s"),
+            "rotor_angle": (rotor_angle, "rad"),
+            "rotor_rate": (rotor_rate, "rad/s"),
+            "motor_torque": (motor_torque, "N m"),
+        }
+        arrays = [
+            None if value is None else per_axis(name, value, unit, self.n_axes)
+            for name, (value, unit) in given.items()
+        ]
+        return self._compiled.state_from(*arrays)
+
+    def _core_motion(self, motion: Motion | None) -> _core.Motion | None:
+        """The core's motion, if this robot can follow it."""
+        if motion is None:
+            return None
+        if not isinstance(motion, Motion):
+            raise TypeError(f"motion: expected a Quintic, Trapezoid or Hold, got {motion!r}")
+        self._compiled.check_motion(motion._compiled)
+        return motion._compiled
+
+    # --- the arm alone: ideal gears, rotors coupled as the robot says -----------------------------
+
+    def forward_dynamics(
+        self,
+        q: np.ndarray,
+        qd: np.ndarray,
+        tau: np.ndarray,
+        *,
+        algorithm: Literal["composite", "articulated"] = "composite",
+    ) -> np.ndarray:
+        """Joint accelerations of the arm with ideal gears and without friction (spec section 6).
+
+        Parameters
+        ----------
+        q, qd, tau : array_like (..., n_axes)
+            Angles [rad], rates [rad/s] and torques at the joints [N m].
+        algorithm : {"composite", "articulated"}
+            Composite inertias and a linear solve, or the report's articulated bodies, O(n). Both
+            agree to roundoff.
+
+        Returns
+        -------
+        ndarray (..., n_axes)
+            Accelerations [rad/s^2].
+        """
+        functions = {
+            "composite": _core.forward_dynamics,
+            "articulated": _core.articulated_forward_dynamics,
+        }
+        if algorithm not in functions:
+            raise ValueError(
+                f"algorithm: expected 'composite' or 'articulated', got {algorithm!r}"
+            )
+        return self._per_pose(
+            functions[algorithm], q=(q, "rad"), qd=(qd, "rad/s"), tau=(tau, "N m")
+        )
+
+    def inverse_dynamics(self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
+        """Torques at the joints [N m] for accelerations `qdd` [rad/s^2]; arrays (..., n_axes)."""
+        return self._per_pose(
+            _core.inverse_dynamics, q=(q, "rad"), qd=(qd, "rad/s"), qdd=(qdd, "rad/s^2")
+        )
+
+    def mass_matrix(self, q: np.ndarray) -> np.ndarray:
+        """Mass matrix (..., n_axes, n_axes) [kg m^2], rotors included, for angles `q` [rad]."""
+        q = per_axis("q", q, "rad", self.n_axes)
+        matrices = _core.mass_matrix(self._compiled, q.reshape(-1, self.n_axes))
+        return matrices.reshape(*q.shape, self.n_axes)
+
+    def link_poses(self, q: np.ndarray) -> np.ndarray:
+        """Frames of the world (z up, origin on axes 1 to 3) and of arms 1 to 6.
+
+        Parameters
+        ----------
+        q : array_like (..., n_axes)
+            Angles [rad]; axes that are braked are at zero.
+
+        Returns
+        -------
+        ndarray (..., 7, 4, 4)
+            Homogeneous transformations, frame to world [m].
+        """
+        q = per_axis("q", q, "rad", self.n_axes)
+        all_axes = np.zeros((*q.shape[:-1], 6))
+        all_axes[..., : self.n_axes] = q
+        return _core.link_poses(all_axes.reshape(-1, 6)).reshape(*q.shape[:-1], 7, 4, 4)
+
+    def load_position(self, q: np.ndarray) -> np.ndarray:
+        """Position (..., 3) of the load in the world [m] for angles `q` (..., n_axes) [rad]."""
+        arm_6 = self.link_poses(q)[..., 6, :, :]
+        return arm_6[..., :3, :3] @ np.array(self.load.position) + arm_6[..., :3, 3]
+
+    def _per_pose(self, function: Any, **arguments: tuple[np.ndarray, str]) -> np.ndarray:
+        arrays = [
+            per_axis(name, value, unit, self.n_axes) for name, (value, unit) in arguments.items()
+        ]
+        try:
+            arrays = np.broadcast_arrays(*arrays)
+        except ValueError:
+            shapes = ", ".join(
+                f"{name} {a.shape}" for name, a in zip(arguments, arrays, strict=True)
+            )
+            raise ValueError(f"expected shapes that fit each other, got {shapes}") from None
+        flat = [np.reshape(array, (-1, self.n_axes)) for array in arrays]
+        return function(self._compiled, *flat).reshape(arrays[0].shape)

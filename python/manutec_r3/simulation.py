@@ -1,0 +1,303 @@
+"""Simulating: a whole run, or step by step. Both are the same loop."""
+
+from collections.abc import Callable, Sequence
+from time import perf_counter
+from typing import get_args
+
+import numpy as np
+
+from . import _core
+from .arguments import floats, number, per_axis
+from .errors import SimulationError
+from .events import Event, Events
+from .motion import Motion
+from .result import Method, Result, Run, Statistics
+from .robot import Robot
+from .signals import Signals, signal_names
+
+# Events later than this after the end of a motion lose digits: the integrating controllers hunt
+# slowly for ever against friction and backlash (specification section 8) [s].
+_SETTLING = 0.5
+
+
+def simulate(
+    robot: Robot,
+    motion: Motion | None,
+    t_end: float,
+    *,
+    rtol: float | None = None,
+    method: Method = "erk",
+    start: str | Sequence[float] = "rotor",
+    times: Sequence[float] | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Result:
+    """Simulate a robot that follows a motion.
+
+    Parameters
+    ----------
+    robot : Robot
+        What to simulate.
+    motion : Motion or None
+        Reference of its joint angles, with as many axes as the robot has; for three moving axes
+        also six with axes 4 to 6 exactly zero. None only without a controller.
+    t_end : float
+        End of the run [s]; it begins at 0.
+    rtol : float, optional
+        Tolerance, relative to each state's nominal value as well as to its value. The default of
+        each method is the loosest for which control errors and motor torques stay within 1e-6 of
+        their range.
+    method : {"erk", "bdf"}
+        Explicit Runge-Kutta, Verner's 7(6), or backward differentiation formulas.
+    start : {"rotor", "arm"} or array_like (n_states,)
+        At rest with the rotors, or with the arms, on the reference; or a state.
+    times : array_like, optional
+        Instants to record [s], besides the events; default: all steps of the integrator. They do
+        not change its steps.
+    progress : callable, optional
+        Called with the time reached [s] now and then.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    ValueError, TypeError
+        What was wrong (argument, axis, unit), what was expected, what arrived.
+    SimulationError
+        If the run cannot go on; it carries what was computed so far.
+    """
+    t_end = number("t_end", t_end, "s")
+    if t_end <= 0.0:
+        raise ValueError(f"t_end: expected a time after the start at 0 s, got {t_end:g} s")
+    if times is not None:
+        times = np.atleast_1d(floats("times", times, "s")).ravel()
+        outside = (times < 0.0) | (times > t_end)
+        if outside.any():
+            raise ValueError(
+                f"times: expected instants from 0 to {t_end:g} s, got {times[outside][0]:g} s"
+            )
+    if progress is not None and not callable(progress):
+        raise TypeError(f"progress: expected a function of the time, got {progress!r}")
+
+    began = perf_counter()
+    simulator = Simulator(robot, motion, rtol=rtol, method=method, start=start, _record=True)
+    core = simulator._compiled
+
+    def result() -> Result:
+        return Result(
+            Run(robot, motion, method, core.trajectory),
+            simulator.rtol,
+            Events(Event(*event) for event in core.events(0)),
+            Statistics(**core.statistics, samples=0, seconds=perf_counter() - began),
+            core.time,
+            None if times is None else times[times <= core.time],
+        )
+
+    try:
+        simulator._advance(t_end, include_end=False, progress=progress)
+    except SimulationError as error:
+        error.result = result()
+        raise
+    return result()
+
+
+class Simulator(Signals):
+    """A robot that is simulated step by step.
+
+    Every signal of a result is an attribute here, at the present instant, as an array (n_axes,).
+    How often and where one stops to look does not change the steps of the integrator.
+
+    Parameters
+    ----------
+    robot : Robot
+        What to simulate.
+    motion : Motion, optional
+        Reference of its joint angles; may be missing only without a controller.
+    rtol, method, start
+        As in `simulate`. Branches are decided from the start by physics.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        motion: Motion | None = None,
+        *,
+        rtol: float | None = None,
+        method: Method = "erk",
+        start: str | Sequence[float] = "rotor",
+        _record: bool = False,
+    ) -> None:
+        if not isinstance(robot, Robot):
+            raise TypeError(f"robot: expected a Robot, got {robot!r}")
+        core_motion = robot._core_motion(motion)
+        if motion is None and robot.controller is not None:
+            raise ValueError("motion: expected a motion for the controllers to follow, got None")
+        if method not in get_args(Method):
+            raise ValueError(f"method: expected 'erk' or 'bdf', got {method!r}")
+        core_method = _core.Method[method]
+        if rtol is None:
+            rtol = _core.default_tolerance(core_method)
+        rtol = number("rtol", rtol, "1")
+        if not 1e-14 <= rtol <= 1e-2:
+            raise ValueError(f"rtol: expected a tolerance from 1e-14 to 1e-2, got {rtol:g}")
+        if isinstance(start, str):
+            state = robot.rest_state(motion, start)
+        else:
+            state = np.asarray(start, dtype=float)
+            robot._compiled.check_state(state)
+        self.robot = robot
+        self.motion = motion
+        self.method = method
+        self.rtol = rtol
+        self._untold: list[Event] = []  # events that have happened and nobody has been told of
+        self._compiled = _core.Simulator(
+            robot._compiled, core_motion, state, rtol, core_method, _record
+        )
+
+    # --- the present instant --------------------------------------------------------------------
+
+    @property
+    def time(self) -> float:
+        """The present instant [s]."""
+        return self._compiled.time
+
+    @property
+    def state(self) -> np.ndarray:
+        """State (n_states,), after the events of this instant."""
+        return self._compiled.state
+
+    @property
+    def branches(self) -> dict[str, np.ndarray]:
+        """Branches (n_axes,) of ``dead_zone``, ``torque_limit``, ``backlash``, ``friction``."""
+        return self._compiled.branches
+
+    @property
+    def statistics(self) -> dict[str, int]:
+        """Evaluations, steps, rejected steps, events and restarts so far."""
+        return self._compiled.statistics
+
+    def _signal(self, name: str) -> np.ndarray:
+        return self._compiled.signals[signal_names.index(name)]
+
+    @property
+    def motor_torque(self) -> np.ndarray:
+        """Motor torques `rF` (n_axes,) [N m], motor side.
+
+        Without a controller they are inputs: held until they are set again, zero at first. Setting
+        them is an event at the present instant; branches are decided again at once.
+        """
+        return self._signal("motor_torque")
+
+    @motor_torque.setter
+    def motor_torque(self, torque: Sequence[float]) -> None:
+        if self.robot.controller is not None:
+            raise AttributeError(
+                "motor_torque: expected a robot with controller=None to set it, "
+                f"got controller={self.robot.controller!r}"
+            )
+        torque = per_axis("motor_torque", torque, "N m", self.robot.n_axes)
+        if torque.ndim != 1:
+            raise ValueError(
+                f"motor_torque: expected {self.robot.n_axes} values [N m], got shape {torque.shape}"
+            )
+        told = self._compiled.n_events
+        self._compiled.set_motor_torque(torque)
+        self._untold += [Event(*event) for event in self._compiled.events(told)]
+
+    # --- advancing ------------------------------------------------------------------------------
+
+    def step(self, dt: float) -> list[Event]:
+        """Advance by `dt` [s], through every event on the way.
+
+        Returns
+        -------
+        list of Event
+            The events it met, up to and including the new instant.
+
+        Raises
+        ------
+        ValueError
+            If `dt` is negative or not finite.
+        SimulationError
+            If the run cannot go on; the simulator stays where it came to.
+        """
+        dt = number("dt", dt, "s")
+        if dt < 0.0:
+            raise ValueError(f"dt: expected a time that is not negative, got {dt:g} s")
+        self._advance(self.time + dt, include_end=True)
+        events, self._untold = self._untold, []
+        return events
+
+    def step_to_event(self, t_end: float | None = None) -> Event | None:
+        """Advance to the next event, or to `t_end` if there is none before.
+
+        Of several events at one instant the first is returned; the others follow one by one,
+        without advance.
+
+        Parameters
+        ----------
+        t_end : float, optional
+            Where to stop looking [s]. Default: 0.5 s after the end of the motion; later the robot
+            hunts slowly for ever.
+
+        Returns
+        -------
+        Event or None
+            None if `t_end` was reached.
+
+        Raises
+        ------
+        ValueError
+            If `t_end` lies before the present instant, or is missing without a motion.
+        SimulationError
+            If the run cannot go on.
+        """
+        if t_end is None:
+            if self.motion is None:
+                raise ValueError("t_end: expected a time [s] to stop at, as there is no motion")
+            t_end = max(self.time, self.motion.duration + _SETTLING)
+        t_end = number("t_end", t_end, "s")
+        if t_end < self.time:
+            raise ValueError(
+                f"t_end: expected a time not before the present {self.time:g} s, got {t_end:g} s"
+            )
+        if not self._untold:
+            self._advance(t_end, include_end=False, stop_at_event=True)
+        return self._untold.pop(0) if self._untold else None
+
+    def _advance(
+        self,
+        target: float,
+        *,
+        include_end: bool,
+        stop_at_event: bool = False,
+        progress: Callable[[float], None] | None = None,
+    ) -> None:
+        core = self._compiled
+        met = core.n_events
+        try:
+            core.advance(target, stop_at_event, include_end, progress)
+        except _core.SimulationFailure as failure:
+            raise SimulationError(core.time, core.state, core.branches, str(failure)) from None
+        finally:
+            self._untold += [Event(*event) for event in core.events(met)]
+
+    # --- saving ---------------------------------------------------------------------------------
+
+    def save(self) -> tuple:
+        """Everything that the future depends on; give it to `restore`."""
+        return self._compiled.save(), tuple(self._untold)
+
+    def restore(self, saved: tuple) -> None:
+        """Go back to where `save` was called, on this simulator or one like it.
+
+        With ``method="erk"`` what follows is bit-identical to what followed then. ``"bdf"``
+        restarts at order 1.
+        """
+        core_saved, untold = saved
+        self._compiled.restore(core_saved)
+        self._untold = list(untold)
+
+    def __repr__(self) -> str:
+        return f"<Simulator of model {self.robot.model} at {self.time:g} s>"

@@ -1,0 +1,185 @@
+"""The command `manutec-r3`: what it prints, what it writes, how it ends."""
+
+import csv
+import re
+import sys
+from importlib.metadata import version
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import manutec_r3 as r3
+from manutec_r3.command_line import app
+
+SHORT = """
+t_end = 0.02
+[robot]
+model = 4
+[motion]
+type = "hold"
+angle = [0.1, 0.2, 0.3]
+"""
+
+
+@pytest.fixture
+def command(tmp_path, monkeypatch):
+    """Runs the command in an empty folder, in which `short.toml` is a quick scenario."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "short.toml").write_text(SHORT)
+    return lambda *arguments: CliRunner().invoke(app, [str(a) for a in arguments])
+
+
+def one_line(stderr):
+    """The message, of which there is only one, without a traceback."""
+    (line,) = stderr.splitlines()
+    return line
+
+
+def test_run_prints_the_peaks_of_figure_9(command):
+    done = command("run", "figure9")
+    assert done.exit_code == 0
+    rows = re.findall(r"^ +(\d) +(\S+) to (\S+) +(\S+) +(\S+) *$", done.stdout, re.MULTILINE)
+    assert [int(row[0]) for row in rows] == [1, 2, 3, 4, 5, 6]
+    # two independent implementations of the model print these digits
+    assert [row[3] for row in rows] == ["8.09", "10.06", "6.89", "1.46", "2.07", "1.27"]
+    assert [row[4] for row in rows] == ["2.81", "5.43", "7.04", "0.28", "1.20", "0.17"]
+    assert "60: 26 dead zone, 20 friction, 13 backlash, 1 reference" in done.stdout
+    assert "All axes stay within the published ranges." in done.stdout
+    assert "times as fast as real time" in done.stdout
+    assert done.stderr == ""  # no progress bar where nobody watches
+
+
+def test_run_writes_what_it_lists(command, tmp_path):
+    done = command("run", "figure9")
+    listed = re.findall(r"^wrote (.+)$", done.stdout, re.MULTILINE)
+    written = {str(path.relative_to(tmp_path)) for path in tmp_path.glob("figure9/*")}
+    assert set(listed) == written
+    assert {path.name for path in tmp_path.glob("figure9/*")} == {
+        "result.npz",
+        "events.csv",
+        "figure9.png",
+    }
+
+
+def test_the_archive_holds_the_whole_run_without_pickles(command, tmp_path):
+    command("run", "short.toml", "--rtol", "1e-6")
+    result = r3.Scenario.load("short.toml").run(rtol=1e-6)  # a repeated run is bit-identical
+    with np.load(tmp_path / "short/result.npz", allow_pickle=False) as archive:
+        for signal in ("time", *result.signals):
+            np.testing.assert_array_equal(archive[signal], getattr(result, signal))
+        for element, branches in result.branches.items():
+            np.testing.assert_array_equal(archive[f"branches_{element}"], branches)
+        for column in ("time", "axis", "element", "before", "after"):
+            events = getattr(result.events, column)
+            np.testing.assert_array_equal(archive[f"event_{column}"], events)
+        assert archive["event_element"].dtype.kind == "U"
+        assert tuple(archive["state_names"]) == tuple(result.robot.state_names)
+        assert tuple(archive["state_units"]) == tuple(result.robot.state_units)
+        assert archive["scenario"] == SHORT
+        assert archive["method"] == "erk"
+        assert float(archive["rtol"]) == 1e-6
+        assert archive["version"] == version("manutec-r3")
+
+
+def test_the_events_are_written_to_the_last_digit(command, tmp_path):
+    command("run", "figure9")
+    result = r3.Scenario.load("figure9").run()  # a repeated run is bit-identical
+    with open(tmp_path / "figure9/events.csv", newline="") as file:
+        header, *rows = csv.reader(file)
+    assert header == ["time [s]", "axis", "element", "before", "after"]
+    assert [(float(t), int(i), e, int(b), int(a)) for t, i, e, b, a in rows] == [
+        (e.time, e.axis, e.element, e.before, e.after) for e in result.events
+    ]
+
+
+def test_options_choose_tolerance_method_and_folder(command, tmp_path):
+    done = command("run", "short.toml", "--rtol", "1e-5", "--method", "bdf", "--output", "a/b")
+    assert done.exit_code == 0
+    assert "(bdf, rtol 1e-05)" in done.stdout
+    assert {p.name for p in tmp_path.glob("a/b/*")} == {"result.npz", "events.csv", "short.png"}
+
+
+def test_a_signal_outside_its_published_range_is_named(command, tmp_path):
+    (tmp_path / "tight.toml").write_text(SHORT + "[published]\njoint_angle = [0.15, 1.0]\n")
+    done = command("run", "tight.toml")
+    assert done.exit_code == 0
+    assert "Outside the published range: joint angle of axis 1." in done.stdout
+
+
+def test_without_matplotlib_the_rest_is_written(command, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    done = command("run", "short.toml")
+    assert done.exit_code == 0
+    assert 'pip install "manutec-r3[plot]"' in done.stdout
+    assert {p.name for p in tmp_path.glob("short/*")} == {"result.npz", "events.csv"}
+
+
+def test_a_failed_simulation_writes_what_was_computed(command, tmp_path, monkeypatch):
+    until_then = r3.Scenario.load("short.toml").run(t_end=0.01)
+
+    class Chattering(r3.SimulationError):
+        def __init__(self):
+            Exception.__init__(self)
+            self.result = until_then
+
+        def __str__(self):
+            return "chattering on axis 2"
+
+    def fail(self, **overrides):
+        raise Chattering
+
+    monkeypatch.setattr(r3.Scenario, "run", fail)
+    done = command("run", "short.toml")
+    assert done.exit_code == 1
+    assert "chattering on axis 2" in one_line(done.stderr)
+    with np.load(tmp_path / "short/result.npz") as archive:
+        np.testing.assert_array_equal(archive["joint_angle"], until_then.joint_angle)
+
+
+def test_an_interrupted_run_says_so_and_writes_nothing(command, tmp_path, monkeypatch):
+    def interrupt(self, progress, **overrides):
+        progress(0.25)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(r3.Scenario, "run", interrupt)
+    done = command("run", "short.toml")
+    assert done.exit_code == 130
+    assert one_line(done.stderr) == "interrupted at t = 0.250 s, nothing is written"
+    assert not (tmp_path / "short").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["run", "figur9"], "did you mean 'figure9'"),
+        (["show", "figur9"], "did you mean 'figure9'"),
+        (["run", "none.toml"], "none.toml: "),
+        (["run", "wrong.toml"], "wrong.toml: t_end is missing"),
+        (["run", "short.toml", "--rtol", "-1"], "rtol"),
+        (["run", "short.toml", "--output", "short.toml"], "short.toml: "),
+    ],
+)
+def test_a_mistake_is_one_line_and_exit_code_1(command, tmp_path, arguments, message):
+    (tmp_path / "wrong.toml").write_text(SHORT.replace("t_end = 0.02", ""))
+    done = command(*arguments)
+    assert done.exit_code == 1
+    assert message in one_line(done.stderr)
+
+
+@pytest.mark.parametrize(
+    "arguments", [["run"], ["fly"], ["run", "figure9", "--method", "euler"], ["list", "--all"]]
+)
+def test_wrong_usage_is_exit_code_2(command, arguments):
+    assert command(*arguments).exit_code == 2
+
+
+def test_list_describes_every_scenario(command):
+    words = " ".join(command("list").stdout.split())
+    for name in r3.scenarios():
+        assert f"{name} {r3.Scenario.load(name).description}" in words
+
+
+def test_what_show_prints_is_a_scenario(command, tmp_path):
+    (tmp_path / "mine.toml").write_text(command("show", "figure9").stdout)
+    assert r3.Scenario.load("mine.toml").source == r3.Scenario.load("figure9").source

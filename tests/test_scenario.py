@@ -1,0 +1,143 @@
+"""Scenarios: what comes with the package, files of one's own, and mistakes in them."""
+
+import re
+
+import numpy as np
+import pytest
+
+import manutec_r3 as r3
+
+MINE = """
+description = "a short one"
+t_end = 0.05
+start = "arm"
+[robot]
+model = 4
+load = { mass = 2.5 }
+[motion]
+type = "hold"
+angle = [0.1, -0.2, 0.3]
+[solver]
+rtol = 1e-6
+method = "bdf"
+"""
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Writes a scenario file, returns its path."""
+
+    def write(text):
+        path = tmp_path / "mine.toml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+def test_every_scenario_of_the_package_loads_under_its_name():
+    assert {"figure9", "figure9-quintic"} <= set(r3.scenarios())
+    for name in r3.scenarios():
+        scenario = r3.Scenario.load(name)
+        assert scenario.name == name
+        assert scenario.description
+        assert scenario.t_end > 0.0
+
+
+def test_figure9_is_the_published_experiment():
+    scenario = r3.Scenario.load("figure9")
+    assert scenario.robot == r3.Robot(model=3, load=r3.Load(15.0, (0.0, 0.0, 0.25)))
+    assert scenario.t_end == 1.5
+    assert scenario.motion.duration == 1.2
+    np.testing.assert_array_equal(scenario.motion.angle(0.0), np.zeros(6))
+    np.testing.assert_array_equal(scenario.motion.angle(1.2), [1.0, 1.0, 0.6, -0.2, -0.15, -0.1])
+
+
+def test_a_file_says_everything_about_its_run(write):
+    scenario = r3.Scenario.load(write(MINE))
+    assert scenario.name == "mine"
+    assert scenario.description == "a short one"
+    result = scenario.run()
+    assert result.robot == r3.Robot(model=4, load=r3.Load(2.5))
+    assert result.time[-1] == 0.05
+    assert (result.method, result.rtol) == ("bdf", 1e-6)
+    np.testing.assert_array_equal(result.joint_angle[0], [0.1, -0.2, 0.3])  # start = "arm"
+
+
+def test_a_path_may_be_a_string(write):
+    path = write(MINE)
+    assert r3.Scenario.load(str(path)).source == r3.Scenario.load(path).source == MINE
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [
+        r3.Quintic([0.0] * 3, [0.1, 0.2, 0.3], 0.5),
+        r3.Trapezoid([0.0] * 3, [0.1, 0.2, 0.3], [2.5] * 3, [10.0] * 3),
+        r3.Hold([0.1, 0.2, 0.3]),
+    ],
+    ids=lambda motion: type(motion).__name__,
+)
+def test_each_motion_has_its_table(write, motion):
+    table = {
+        r3.Quintic: 'type = "quintic"\nstart = [0, 0, 0]\nend = [0.1, 0.2, 0.3]\nduration = 0.5',
+        r3.Trapezoid: 'type = "trapezoid"\nstart = [0, 0, 0]\nend = [0.1, 0.2, 0.3]\n'
+        "rate = [2.5, 2.5, 2.5]\nacceleration = [10, 10, 10]",
+        r3.Hold: 'type = "hold"\nangle = [0.1, 0.2, 0.3]',
+    }[type(motion)]
+    loaded = r3.Scenario.load(write(f"t_end = 1\n[robot]\nmodel = 2\n[motion]\n{table}\n")).motion
+    assert type(loaded) is type(motion)
+    t = np.linspace(0.0, 1.0, 11)
+    np.testing.assert_array_equal(loaded.angle(t), motion.angle(t))
+
+
+def test_arguments_of_run_take_the_place_of_the_scenarios_own(write):
+    result = r3.Scenario.load(write(MINE)).run(rtol=1e-5, method="erk", t_end=0.01, times=[0.005])
+    assert (result.rtol, result.method, result.time[-1]) == (1e-5, "erk", 0.01)
+    assert 0.005 in result.time
+
+
+MISTAKES = [
+    ("t_end = 0.05", "t_emd = 0.05", "unknown key 't_emd', did you mean 't_end'"),
+    ("t_end = 0.05", "", r"t_end is missing, expected a positive time \[s\]"),
+    ("t_end = 0.05", "t_end = -1.0", r"t_end: expected a positive time \[s\], got -1.0"),
+    ("t_end = 0.05", "t_end = nan", r"t_end: expected a positive time \[s\], got nan"),
+    ("t_end = 0.05", "t_end = true", r"t_end: expected a positive time \[s\], got True"),
+    ("t_end = 0.05", "t_end = ", "line 3"),
+    ('"arm"', '"wheel"', "start: expected .* got 'wheel'"),
+    ("model = 4", "model = 5", r"\[robot\]: .*model.* got 5"),
+    ("mass = 2.5", "maas = 2.5", r"\[robot.load\]: unknown key 'maas', did you mean 'mass'"),
+    ("mass = 2.5", 'mass = "2.5"', r"\[robot.load\]: mass: expected a mass \[kg\], got '2.5'"),
+    ("mass = 2.5", "mass = 20", r"\[robot.load\]: .*mass.*20"),
+    ("mass = 2.5", "mass = 1, position = [0, 0.2]", r"\[robot.load\]: position: .* \[m\], got"),
+    ('"hold"', '"holt"', r"\[motion\]: type: expected .* got 'holt', did you mean 'hold'"),
+    ("angle", "angles", r"\[motion\]: unknown key 'angles', did you mean 'angle'"),
+    ("[0.1, -0.2, 0.3]", "0.1", r"\[motion\]: angle: .* \[rad\], got 0.1"),
+    ("rtol = 1e-6", "rtol = 0", r"\[solver\]: rtol: expected a positive number, got 0"),
+    ('"bdf"', '"euler"', r"\[solver\]: method: expected .* got 'euler'"),
+    ("[solver]", "[published]\nmotor_torque = [1, -1]\n[solver]", r"\[published\]: motor_torque: "),
+]
+
+
+@pytest.mark.parametrize(("right", "wrong", "message"), MISTAKES)
+def test_a_mistake_is_named_with_file_table_and_key(write, right, wrong, message):
+    path = write(MINE.replace(right, wrong, 1))
+    with pytest.raises(ValueError, match=f"^{re.escape(str(path))}: .*{message}"):
+        r3.Scenario.load(path)
+
+
+def test_a_file_that_is_no_text_is_refused_by_name(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_bytes(b"\xff\xfe")
+    with pytest.raises(ValueError, match=f"^{re.escape(str(path))}: "):
+        r3.Scenario.load(path)
+
+
+def test_an_unknown_name_brings_the_nearest():
+    with pytest.raises(ValueError, match=r"no scenario 'figur9' .* did you mean 'figure9'"):
+        r3.Scenario.load("figur9")
+
+
+def test_a_missing_file_is_an_operating_system_error(tmp_path):
+    with pytest.raises(FileNotFoundError, match=r"mine\.toml"):
+        r3.Scenario.load(tmp_path / "mine.toml")
