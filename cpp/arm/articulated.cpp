@@ -62,7 +62,7 @@ Vector<N> articulated_forward_dynamics(const Mechanism<N>& mechanism, const Vect
     pA[j] = stacked(w.cross(inertia(arm) * w), w.cross(w.cross(first_moment(arm))));
   }
 
-  // Inwards: joint j moves as arm j-1 and its own torque demand, qdd = (u - U^T a_{j-1}) / D.
+  // Inwards: what joint j does once arm j-1 is known, qdd_j = (u_j - U_j^T a_{j-1}) / D_j.
   for (int j = N - 1; j >= 0; --j) {
     const RotorTerms& rotor = mechanism.rotor(j);
     const int S = component(six_arms[j].axis);

@@ -57,7 +57,8 @@ struct Recursion {
   // Flattened into one function: the recursion is fast if its numbers stay in registers.
   [[gnu::flatten]] void run() { arm_and_beyond<0>({{0, 0, qd[0]}, {0, 0, 0}, {0, 0, gravity}}); }
 
-  // Arm j and those beyond it, in the frame of arm j, which moves thus; rows j to N of the bias.
+  // Arm j, which moves thus, and those beyond it, in the frame of arm j. Sets their joints' bias,
+  // and the columns of M.
   template <int j>
   Composite arm_and_beyond(const ArmMotion& motion) {
     const Moments& arm = mechanism.arm(j);
@@ -95,7 +96,7 @@ struct Recursion {
     return outer;
   }
 
-  // The wrench that unit acceleration of joint j takes, as joints i = j, j-1, .., 1 feel it.
+  // The wrench that unit acceleration of joint j takes, as the joints i = j, j-1, .., 0 feel it.
   template <int i, int j>
   void set_column(const Wrench& wrench) {
     equations.M(i, j) = equations.M(j, i) = along<six_arms[i].axis>(wrench.torque);

@@ -4,12 +4,11 @@
 // switches is set by the owner in `motor`, `gear` and `friction` lines and in `sticking`.
 #pragma once
 
-#include <Eigen/Cholesky>
-
 #include <array>
 
 #include "arm/composite.hpp"
 #include "arm/parameters.hpp"
+#include "arm/solve.hpp"
 #include "drive/axis.hpp"
 #include "drive/friction.hpp"
 #include "drive/gear.hpp"
@@ -128,7 +127,7 @@ class Equations {
       M(i, i) = 1.0;
       right[i] = 0.0;
     }
-    right = M.llt().solve(right).eval();
+    arm::solve_in_place(M, right);
     for (int i = elastic_ ? E : N; i < N; ++i) {
       if (sticking[i]) right[i] = 0.0;
     }

@@ -62,10 +62,6 @@ class Samples(Signals):
     ----------
     time : ndarray (n,)
         The instants [s].
-    state : ndarray (n, n_states)
-        States, see `Robot.state_names`.
-    branches : dict of str to ndarray (n, n_axes)
-        Branches -1, 0, +1 of ``dead_zone``, ``torque_limit``, ``backlash`` and ``friction``.
     signals : tuple of str
         Names of all signals, ``state`` included.
 
@@ -90,10 +86,12 @@ class Samples(Signals):
 
     @property
     def state(self) -> np.ndarray:
+        """States (n, n_states), see `Robot.state_names`."""
         return self._values[0]
 
     @property
     def branches(self) -> dict[str, np.ndarray]:
+        """Branches (n, n_axes) of each element: -1, 0, +1; 0 if an axis has no such element."""
         return dict(zip(_core.axis_elements, self._values[2], strict=True))
 
     def _signal(self, name: str) -> np.ndarray:

@@ -144,8 +144,10 @@ class Robot:
 
     @property
     def parameters(self) -> dict[str, dict[str, Any]]:
-        """Tables 1 to 3 as data: ``table_1`` controllers and motors, ``table_2`` gears, ``table_3``
-        multibody data. Keys are the report's symbols, values are in SI units, six per row.
+        """Tables 1 to 3 of the report as data.
+
+        ``table_1``: controllers and motors, ``table_2``: gears, ``table_3``: arms and rotors. Keys
+        are the report's symbols, values are in SI units, one per axis.
         """
         return _core.parameters()
 
@@ -216,7 +218,7 @@ class Robot:
         return self._compiled.state_from(*arrays)
 
     def _core_motion(self, motion: Motion | None) -> _core.Motion | None:
-        """The core's motion, if this robot can follow it."""
+        """Return the core's motion, if this robot can follow it."""
         if motion is None:
             return None
         if not isinstance(motion, Motion):
@@ -254,9 +256,7 @@ class Robot:
             "articulated": _core.articulated_forward_dynamics,
         }
         if algorithm not in functions:
-            raise ValueError(
-                f"algorithm: expected 'composite' or 'articulated', got {algorithm!r}"
-            )
+            raise ValueError(f"algorithm: expected 'composite' or 'articulated', got {algorithm!r}")
         return self._per_pose(
             functions[algorithm], q=(q, "rad"), qd=(qd, "rad/s"), tau=(tau, "N m")
         )
