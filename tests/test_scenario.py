@@ -93,7 +93,7 @@ def test_each_motion_has_its_table(write, motion):
 
 def test_arguments_of_run_take_the_place_of_the_scenarios_own(write):
     result = r3.Scenario.load(write(MINE)).run(rtol=1e-5, method="erk", t_end=0.01, times=[0.005])
-    assert (result.rtol, result.method, result.time[-1]) == (1e-5, "erk", 0.01)
+    assert (result.rtol, result.method, result.t_end) == (1e-5, "erk", 0.01)
     assert 0.005 in result.time
 
 

@@ -30,7 +30,7 @@ inline Array as_array(std::span<const double> values) {
   return Array(static_cast<py::ssize_t>(values.size()), values.data());
 }
 
-void register_parameters(py::module_& module);
+void register_tables(py::module_& module);
 void register_motion(py::module_& module);
 void register_robot(py::module_& module);
 void register_arm(py::module_& module);

@@ -4,7 +4,7 @@
 PYBIND11_MODULE(_core, module) {
   module.doc() = "The compiled core of manutec_r3; the package wraps it.";
   using namespace manutec_r3::bindings;
-  register_parameters(module);
+  register_tables(module);
   register_motion(module);
   register_robot(module);
   register_arm(module);

@@ -55,7 +55,6 @@ class Simulator {
     system_->set_motor_torque(as_span(torque));
     simulation_.input_changed();
   }
-  Array motor_torque() const { return as_array(system_->mode().held); }
 
   double time() const { return simulation_.time(); }
   Array state() { return as_array(simulation_.state()); }
@@ -145,7 +144,6 @@ void register_simulator(py::module_& module) {
                     const Array&, double, solver::Method, bool>())
       .def("advance", &Simulator::advance)
       .def("set_motor_torque", &Simulator::set_motor_torque)
-      .def_property_readonly("motor_torque", &Simulator::motor_torque)
       .def_property_readonly("time", &Simulator::time)
       .def_property_readonly("state", &Simulator::state)
       .def_property_readonly("signals", &Simulator::signals)

@@ -91,7 +91,7 @@ py::dict multibody() {
 
 }  // namespace
 
-void register_parameters(py::module_& module) {
+void register_tables(py::module_& module) {
   module.def("parameters", [] {
     py::dict tables;
     tables["table_1"] = controllers_and_motors();

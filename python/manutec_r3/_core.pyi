@@ -1,0 +1,149 @@
+"""The compiled core. Private: the package wraps it, checks what users pass, and documents it.
+
+Arrays are C-contiguous, of float64 unless something else is said. N: number of axes of the robot.
+"""
+
+from collections.abc import Callable, Sequence
+from enum import Enum
+from typing import Any
+
+from numpy import float64, int8, intp
+from numpy.typing import NDArray
+
+_Floats = NDArray[float64]
+
+signal_names: tuple[str, ...]
+axis_elements: tuple[str, ...]
+
+def parameters() -> dict[str, dict[str, Any]]: ...
+def check_load(mass: float, position: Sequence[float], bounds: bool) -> None: ...
+
+class SimulationFailure(RuntimeError): ...
+
+class Method(Enum):
+    erk = ...
+    bdf = ...
+
+def default_tolerance(method: Method) -> float: ...
+
+class Motion:
+    @property
+    def n_axes(self) -> int: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def knots(self) -> _Floats: ...
+    def evaluate(self, t: _Floats) -> tuple[_Floats, _Floats, _Floats]:
+        """Angle, rate, acceleration (n, n_axes) at `t` (n,)."""
+
+def quintic(start: Sequence[float], end: Sequence[float], duration: float) -> Motion: ...
+def trapezoid(
+    start: Sequence[float],
+    end: Sequence[float],
+    rate: Sequence[float],
+    acceleration: Sequence[float],
+) -> Motion: ...
+def hold(angle: Sequence[float]) -> Motion: ...
+
+class Robot:
+    def __init__(
+        self,
+        model: int,
+        mass: float,
+        position: Sequence[float],
+        bounds: bool,
+        controller: str | None,
+    ) -> None: ...
+    @property
+    def n_axes(self) -> int: ...
+    @property
+    def n_states(self) -> int: ...
+    @property
+    def n_indicators(self) -> int: ...
+    @property
+    def state_groups(self) -> list[tuple[str, str, float, int, int]]:
+        """Name, unit, nominal value, first state, number of states."""
+
+    @property
+    def indicator_groups(self) -> list[tuple[str, int]]:
+        """Name, number of indicators: two per axis."""
+
+    def check_motion(self, motion: Motion) -> None: ...
+    def check_state(self, x: _Floats) -> None: ...
+    def rest_state(self, motion: Motion | None, start: str) -> _Floats: ...
+    def state_from(
+        self,
+        joint_angle: _Floats,
+        joint_rate: _Floats | None,
+        rotor_angle: _Floats | None,
+        rotor_rate: _Floats | None,
+        motor_torque: _Floats | None,
+    ) -> _Floats: ...
+
+# The arm alone; arrays (n, N), for `mass_matrix` the result is (n, N, N).
+def forward_dynamics(robot: Robot, q: _Floats, qd: _Floats, tau: _Floats) -> _Floats: ...
+def articulated_forward_dynamics(
+    robot: Robot, q: _Floats, qd: _Floats, tau: _Floats
+) -> _Floats: ...
+def inverse_dynamics(robot: Robot, q: _Floats, qd: _Floats, qdd: _Floats) -> _Floats: ...
+def mass_matrix(robot: Robot, q: _Floats) -> _Floats: ...
+def link_poses(q: _Floats) -> _Floats:
+    """Poses (n, 7, 4, 4) for angles (n, 6)."""
+
+class Snapshot:
+    @property
+    def time(self) -> float: ...
+
+class Trajectory:
+    @property
+    def begin(self) -> _Floats: ...
+    @property
+    def end(self) -> _Floats: ...
+
+class Simulator:
+    def __init__(
+        self,
+        robot: Robot,
+        motion: Motion | None,
+        start: _Floats,
+        rtol: float,
+        method: Method,
+        record: bool,
+    ) -> None: ...
+    def advance(
+        self,
+        target: float,
+        stop_at_event: bool,
+        include_target: bool,
+        progress: Callable[[float], None] | None,
+    ) -> None: ...
+    def set_motor_torque(self, torque: _Floats) -> None: ...
+    @property
+    def time(self) -> float: ...
+    @property
+    def state(self) -> _Floats: ...
+    @property
+    def signals(self) -> _Floats:
+        """(n_signals, N), in the order of `signal_names`."""
+
+    @property
+    def branches(self) -> dict[str, NDArray[int8]]: ...
+    @property
+    def n_events(self) -> int: ...
+    def events(self, first: int) -> list[tuple[float, int, str, int, int]]: ...
+    @property
+    def statistics(self) -> dict[str, int]: ...
+    def save(self) -> Snapshot: ...
+    def restore(self, snapshot: Snapshot) -> None: ...
+    @property
+    def trajectory(self) -> Trajectory: ...
+
+def evaluate(
+    robot: Robot,
+    motion: Motion | None,
+    method: Method,
+    trajectory: Trajectory,
+    t: _Floats,
+    step: NDArray[intp],
+) -> tuple[_Floats, _Floats, NDArray[int8]]:
+    """States (n, n_states), signals (n_signals, n, N), branches (n_elements, n, N)."""
