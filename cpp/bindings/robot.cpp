@@ -31,8 +31,7 @@ robot::Start start_named(const std::string& name) {
 py::list state_groups(const Robot& robot) {
   py::list groups;
   for (const robot::StateGroup& group : robot.states()) {
-    groups.append(
-        py::make_tuple(group.name, group.unit, group.nominal, group.first, group.size));
+    groups.append(py::make_tuple(group.name, group.unit, group.nominal, group.first, group.size));
   }
   return groups;
 }

@@ -72,8 +72,8 @@ class Simulator {
     for (int kind = 0; kind < robot::n_axis_elements; ++kind) {
       py::array_t<std::int8_t> values(system_->n_axes());
       for (int i = 0; i < system_->n_axes(); ++i) {
-        values.mutable_at(i) = static_cast<std::int8_t>(
-            system_->branch(static_cast<robot::ElementKind>(kind), i));
+        values.mutable_at(i) =
+            static_cast<std::int8_t>(system_->branch(static_cast<robot::ElementKind>(kind), i));
       }
       branches[py::str(std::string(robot::element_names[kind]))] = values;
     }

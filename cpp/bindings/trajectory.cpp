@@ -34,8 +34,8 @@ Trajectory from_state(const py::tuple& state) {
   trajectory.dense_size = state[4].cast<std::size_t>();
   for (const py::handle mode : state[5].cast<py::list>()) {
     const auto entries = mode.cast<py::tuple>();
-    trajectory.modes.push_back({entries[0].cast<std::vector<std::int32_t>>(),
-                                entries[1].cast<std::vector<double>>()});
+    trajectory.modes.push_back(
+        {entries[0].cast<std::vector<std::int32_t>>(), entries[1].cast<std::vector<double>>()});
   }
   return trajectory;
 }

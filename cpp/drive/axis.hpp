@@ -41,11 +41,11 @@ struct Axes {
     tachogenerator.derivatives(rotor_rate, of(x, tachogenerator_1), of(x, tachogenerator_2),
                                of(x, tachogenerator_3), of(dx, tachogenerator_1),
                                of(dx, tachogenerator_2), of(dx, tachogenerator_3));
-    rate_controller.derivatives(command, of(x, tachogenerator_2), of(x, filter),
-                                of(x, controller), of(x, voltage), of(dx, filter),
-                                of(dx, controller), of(dx, voltage));
-    motor.derivatives(of(x, voltage), of(x, pt2_torque), of(x, pt2_torque_rate),
-                      of(dx, pt2_torque), of(dx, pt2_torque_rate));
+    rate_controller.derivatives(command, of(x, tachogenerator_2), of(x, filter), of(x, controller),
+                                of(x, voltage), of(dx, filter), of(dx, controller),
+                                of(dx, voltage));
+    motor.derivatives(of(x, voltage), of(x, pt2_torque), of(x, pt2_torque_rate), of(dx, pt2_torque),
+                      of(dx, pt2_torque_rate));
   }
 
   // rF [N m].

@@ -32,8 +32,7 @@ struct Friction {
                                                : std::numeric_limits<double>::infinity();
   }
   double lower_end(int piece) const {
-    return piece > 0 ? characteristic.points[piece].rate
-                     : -std::numeric_limits<double>::infinity();
+    return piece > 0 ? characteristic.points[piece].rate : -std::numeric_limits<double>::infinity();
   }
 
   // rM from rq' while sliding; zero while sticking, when rM follows from the motion.

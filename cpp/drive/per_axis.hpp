@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-
 #include <array>
 
 namespace manutec_r3::drive {

@@ -35,8 +35,8 @@ class Integrator : public DenseOutput {
   virtual void restart(double t, const double* x, double size) = 0;
 
   // One step from where the last one ended, not beyond `stop`, which it meets exactly. Gives the
-  // step and the state at its end. Throws SimulationFailure, with the solver's own message, and whatever the
-  // system throws.
+  // step and the state at its end. Throws SimulationFailure, with the solver's own message, and
+  // whatever the system throws.
   virtual void advance(double stop, Step& step, double* x1) = 0;
 
   // The step size to try next, if nothing happens.

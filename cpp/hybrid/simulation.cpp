@@ -235,11 +235,10 @@ void Simulation::fold_in_simultaneous() {
 
 void Simulation::handle_event(bool input_changed) {
   changes_.clear();
-  system_.handle_event(now_.time, now_.x.data(),
-                       {.fired = now_.fired,
-                        .time_event = now_.time_event,
-                        .input_changed = input_changed},
-                       changes_);
+  system_.handle_event(
+      now_.time, now_.x.data(),
+      {.fired = now_.fired, .time_event = now_.time_event, .input_changed = input_changed},
+      changes_);
   for (const Change& change : changes_) {
     events_.push_back({now_.time, change.element, change.before, change.after});
   }

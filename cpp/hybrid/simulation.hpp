@@ -33,8 +33,8 @@ namespace manutec_r3::hybrid {
 
 struct Statistics {
   Work work;
-  long events = 0;    // changes that were logged
-  long restarts = 0;  // of the integration, after logged changes or others
+  long events = 0;     // changes that were logged
+  long restarts = 0;   // of the integration, after logged changes or others
   long locations = 0;  // evaluations of the solution inside a step in search of events
 };
 
@@ -82,13 +82,13 @@ class Simulation {
   // statistics go on.
   struct Snapshot {
     double time = 0.0;
-    Step step;                           // the front: the last step, cut off at an event
-    std::vector<double> x;               // state at its end
-    std::vector<double> z, slope;        // indicators there, and their rates along the solution
-    bool event = false;                  // something happens at its end:
-    bool time_event = false;             // an announced instant,
-    std::vector<int> fired;              // indicators
-    double next_size = 0.0;              // that the integrator would try
+    Step step;                     // the front: the last step, cut off at an event
+    std::vector<double> x;         // state at its end
+    std::vector<double> z, slope;  // indicators there, and their rates along the solution
+    bool event = false;            // something happens at its end:
+    bool time_event = false;       // an announced instant,
+    std::vector<int> fired;        // indicators
+    double next_size = 0.0;        // that the integrator would try
     Mode mode;
     ChatteringGuard guard;
   };

@@ -65,7 +65,9 @@ Piece at_rest(double begin, std::span<const double> angles) {
   return piece;
 }
 
-std::vector<double> copied(std::span<const double> values) { return {values.begin(), values.end()}; }
+std::vector<double> copied(std::span<const double> values) {
+  return {values.begin(), values.end()};
+}
 
 }  // namespace
 
@@ -76,8 +78,8 @@ Motion::Motion(std::vector<double> start, std::vector<Piece> pieces)
 
 bool Motion::rests_at_zero(int axis) const {
   return start_[axis] == 0.0 && std::ranges::all_of(pieces_, [axis](const Piece& piece) {
-    return std::ranges::all_of(piece.coefficients[axis], [](double c) { return c == 0.0; });
-  });
+           return std::ranges::all_of(piece.coefficients[axis], [](double c) { return c == 0.0; });
+         });
 }
 
 int Motion::piece_at(double t) const {

@@ -42,9 +42,9 @@ class Equations {
 
   // --- what switches, and inputs ---------------------------------------------------------------
 
-  drive::Axes<N> axes;            // NL1 and NL2 in its motors
-  drive::ElasticGear gear;        // NL4
-  Line<N> friction;               // rM while sliding
+  drive::Axes<N> axes;      // NL1 and NL2 in its motors
+  drive::ElasticGear gear;  // NL4
+  Line<N> friction;         // rM while sliding
   std::array<bool, N> sticking{};
   int motion_piece = -1;
   PerAxis<N> held_torque = PerAxis<N>::Zero();  // rF of a robot without controller
@@ -69,7 +69,9 @@ class Equations {
   double* electrical(double* x) const { return x + electrical_state_; }
 
   // The state that comes to rest when an axis sticks: the rate of its rotor, or of its joint.
-  int index_of_rate(int axis) const { return is_elastic(axis) ? rotor_state_ + E + axis : N + axis; }
+  int index_of_rate(int axis) const {
+    return is_elastic(axis) ? rotor_state_ + E + axis : N + axis;
+  }
 
   // rq and rq': with rigid gears p times the joint's (spec 2).
   PerAxis<N> rotor_angle(const double* x) const {
@@ -86,7 +88,8 @@ class Equations {
     return elastic_rotor_rate(x) - p.template head<E>() * qd(x).template head<E>();
   }
 
-  // --- torques -------------------------------------------------------------------------------------
+  // --- torques
+  // -------------------------------------------------------------------------------------
 
   struct Torques {
     PerAxis<N> motor;     // rF
@@ -108,7 +111,8 @@ class Equations {
     return torques;
   }
 
-  // --- equations of motion -------------------------------------------------------------------------
+  // --- equations of motion
+  // -------------------------------------------------------------------------
 
   arm::EquationsOfMotion<N> equations_of_motion(const double* x) const {
     return arm::equations_of_motion<N>(mechanism_, q(x).matrix(), qd(x).matrix());
@@ -156,7 +160,8 @@ class Equations {
     return result;
   }
 
-  // --- the right-hand side -------------------------------------------------------------------------
+  // --- the right-hand side
+  // -------------------------------------------------------------------------
 
   void derivatives(double t, const double* x, const motion::Motion* motion, double* dx) const {
     const PerAxis<N> rqd = rotor_rate(x);
@@ -168,8 +173,8 @@ class Equations {
     if (elastic_) {
       View<E>{dx + rotor_state_} = deflection_rate(x);
       View<E> rotor_acceleration(dx + rotor_state_ + E);
-      rotor_acceleration = (now.motor - now.gear - now.friction).template head<E>() /
-                           rJ.template head<E>();
+      rotor_acceleration =
+          (now.motor - now.gear - now.friction).template head<E>() / rJ.template head<E>();
       for (int i = 0; i < E; ++i) {
         if (sticking[i]) rotor_acceleration[i] = 0.0;
       }

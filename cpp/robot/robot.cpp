@@ -86,8 +86,10 @@ void check_motion(const Robot& robot, const motion::Motion& motion) {
   }
   for (int i = robot.n_axes(); i < motion.n_axes(); ++i) {
     if (!motion.rests_at_zero(i)) {
-      throw std::invalid_argument("motion: axis " + std::to_string(i + 1) + " is braked at 0 rad in "
-                                  "model " + std::to_string(robot.model()) +
+      throw std::invalid_argument("motion: axis " + std::to_string(i + 1) +
+                                  " is braked at 0 rad in "
+                                  "model " +
+                                  std::to_string(robot.model()) +
                                   "; expected exactly 0 there, got a motion");
     }
   }

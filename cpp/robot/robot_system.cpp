@@ -1,7 +1,6 @@
 #include "robot/robot_system.hpp"
 
 #include <Eigen/LU>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -34,8 +33,15 @@ struct ModeLayout {
 };
 
 // Indicators: two for every axis and row, of which some mean nothing on some robots.
-enum IndicatorRow { of_dead_zone, of_torque_limit, of_backlash, of_friction, of_friction_piece,
-                    of_creep, n_indicator_rows };
+enum IndicatorRow {
+  of_dead_zone,
+  of_torque_limit,
+  of_backlash,
+  of_friction,
+  of_friction_piece,
+  of_creep,
+  n_indicator_rows
+};
 
 template <int N>
 class RobotSystemOf final : public RobotSystem {
@@ -105,7 +111,7 @@ class RobotSystemOf final : public RobotSystem {
 
   hybrid::Element element_of(int indicator) const override {
     constexpr std::array<ElementKind, n_indicator_rows> kinds = {dead_zone, torque_limit, backlash,
-                                                                 friction, friction, friction};
+                                                                 friction,  friction,     friction};
     return {.axis = indicator / 2 % N + 1, .kind = kinds[indicator / (2 * N)]};
   }
 
@@ -119,7 +125,8 @@ class RobotSystemOf final : public RobotSystem {
     return motion_ ? motion_->next_knot(t) : hybrid::never;
   }
 
-  // --- decisions -----------------------------------------------------------------------------------
+  // --- decisions
+  // -----------------------------------------------------------------------------------
 
   void initialise(double t, double* x) override {
     std::ranges::fill(mode_.branches, 0);
@@ -129,10 +136,10 @@ class RobotSystemOf final : public RobotSystem {
     equations_.derivatives(t, x, motion_.get(), scratch_.data());
     if (robot_->has_controller()) {
       for (int i = 0; i < N; ++i) {
-        set(dead_zone, i, zone(voltage(x)[i], voltage(scratch_.data())[i],
-                               drive::dead_zone_half_width[i]));
-        set(torque_limit, i, zone(pt2_torque(x)[i], pt2_torque(scratch_.data())[i],
-                                  drive::torque_limit[i]));
+        set(dead_zone, i,
+            zone(voltage(x)[i], voltage(scratch_.data())[i], drive::dead_zone_half_width[i]));
+        set(torque_limit, i,
+            zone(pt2_torque(x)[i], pt2_torque(scratch_.data())[i], drive::torque_limit[i]));
       }
     }
     if (robot_->has_real_gears()) {
@@ -225,7 +232,8 @@ class RobotSystemOf final : public RobotSystem {
     return mode_.branches[Mode::at(kind, axis)];
   }
 
-  // --- inputs and outputs ----------------------------------------------------------------------------
+  // --- inputs and outputs
+  // ----------------------------------------------------------------------------
 
   void set_motor_torque(std::span<const double> torque) override {
     std::ranges::copy(torque, mode_.held.begin());
@@ -349,8 +357,7 @@ class RobotSystemOf final : public RobotSystem {
 
   // Axes 1 to 3, each on its own (spec 5.2).
   void decide_elastic_axes(double* x, const Friction& decision, const std::array<bool, N>& stuck) {
-    const typename Equations<N>::Torques torques =
-        equations_.torques(x, equations_.rotor_rate(x));
+    const typename Equations<N>::Torques torques = equations_.torques(x, equations_.rotor_rate(x));
     for (int i = 0; i < E; ++i) {
       const double driving = torques.motor[i] - torques.gear[i];  // rF - tau
       const bool holds = std::abs(driving) <= equations_.friction_of[i].sticking_limit();
@@ -380,8 +387,7 @@ class RobotSystemOf final : public RobotSystem {
     for (const int i : resting) torques.gear[i] = torques.motor[i];
     const arm::EquationsOfMotion<N> eom = equations_.equations_of_motion(x);
     const arm::Matrix<N> inverse = eom.M.inverse();
-    const arm::Vector<N> free =
-        inverse * ((equations_.p * torques.gear).matrix() - eom.bias);
+    const arm::Vector<N> free = inverse * ((equations_.p * torques.gear).matrix() - eom.bias);
 
     RestingAxes axes;
     axes.W = inverse(resting, resting);

@@ -25,8 +25,8 @@ constexpr double rigid_tolerance = 1e-9;
 std::vector<double> gravity_torques(const Robot& robot, const std::vector<double>& q) {
   return std::visit(
       [&q]<int N>(const arm::Mechanism<N>& mechanism) {
-        const arm::Vector<N> h = arm::gravity_torques<N>(
-            mechanism, Eigen::Map<const arm::Vector<N>>(q.data()));
+        const arm::Vector<N> h =
+            arm::gravity_torques<N>(mechanism, Eigen::Map<const arm::Vector<N>>(q.data()));
         return std::vector<double>(h.begin(), h.end());
       },
       robot.arm());

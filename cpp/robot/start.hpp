@@ -24,11 +24,11 @@ std::vector<double> rest_state(const Robot& robot, const motion::Motion* motion,
 // zero; rotors follow their joints. Throws std::invalid_argument if an angle or rate of a rotor
 // contradicts its rigid gear, or if a value is not finite.
 struct Posture {
-  std::vector<double> joint_angle;                          // [rad]
-  std::optional<std::vector<double>> joint_rate;            // [rad/s]
-  std::optional<std::vector<double>> rotor_angle;           // [rad]
-  std::optional<std::vector<double>> rotor_rate;            // [rad/s]
-  std::optional<std::vector<double>> motor_torque;          // rF [N m]
+  std::vector<double> joint_angle;                  // [rad]
+  std::optional<std::vector<double>> joint_rate;    // [rad/s]
+  std::optional<std::vector<double>> rotor_angle;   // [rad]
+  std::optional<std::vector<double>> rotor_rate;    // [rad/s]
+  std::optional<std::vector<double>> motor_torque;  // rF [N m]
 };
 std::vector<double> state_from(const Robot& robot, const Posture& posture);
 

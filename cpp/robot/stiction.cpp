@@ -1,7 +1,6 @@
 #include "robot/stiction.hpp"
 
 #include <Eigen/LU>
-
 #include <array>
 #include <cmath>
 #include <utility>
@@ -70,7 +69,8 @@ std::vector<int> consistent_branches(const RestingAxes& axes) {
     }
   }
   if (best_rank.first < 0) {
-    throw hybrid::SimulationFailure("no combination of sticking and sliding axes agrees with physics");
+    throw hybrid::SimulationFailure(
+        "no combination of sticking and sliding axes agrees with physics");
   }
   return best;
 }

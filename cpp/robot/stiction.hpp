@@ -12,18 +12,17 @@
 #pragma once
 
 #include <Eigen/Core>
-
 #include <vector>
 
 namespace manutec_r3::robot {
 
 struct RestingAxes {
-  Eigen::MatrixXd W;          // [1/(kg m^2)], joint side
-  Eigen::VectorXd a0;         // [rad/s^2], joint side
-  Eigen::VectorXd p;          // gear ratios
-  Eigen::VectorXd rM_h, rM_1; // [N m], motor side
-  std::vector<bool> sticks;   // already
-  std::vector<bool> released; // has just reached its limit: it must slide
+  Eigen::MatrixXd W;           // [1/(kg m^2)], joint side
+  Eigen::VectorXd a0;          // [rad/s^2], joint side
+  Eigen::VectorXd p;           // gear ratios
+  Eigen::VectorXd rM_h, rM_1;  // [N m], motor side
+  std::vector<bool> sticks;    // already
+  std::vector<bool> released;  // has just reached its limit: it must slide
 };
 
 // The branch of each axis. Throws SimulationFailure if there is none.
