@@ -18,7 +18,7 @@ t_end = 0.02
 model = 4
 [motion]
 type = "hold"
-angle = [0.1, 0.2, 0.3]
+angles = [0.1, 0.2, 0.3]
 """
 
 

@@ -16,7 +16,7 @@ model = 4
 load = { mass = 2.5 }
 [motion]
 type = "hold"
-angle = [0.1, -0.2, 0.3]
+angles = [0.1, -0.2, 0.3]
 [solver]
 rtol = 1e-6
 method = "bdf"
@@ -83,7 +83,7 @@ def test_each_motion_has_its_table(write, motion):
         r3.Quintic: 'type = "quintic"\nstart = [0, 0, 0]\nend = [0.1, 0.2, 0.3]\nduration = 0.5',
         r3.Trapezoid: 'type = "trapezoid"\nstart = [0, 0, 0]\nend = [0.1, 0.2, 0.3]\n'
         "rate = [2.5, 2.5, 2.5]\nacceleration = [10, 10, 10]",
-        r3.Hold: 'type = "hold"\nangle = [0.1, 0.2, 0.3]',
+        r3.Hold: 'type = "hold"\nangles = [0.1, 0.2, 0.3]',
     }[type(motion)]
     loaded = r3.Scenario.load(write(f"t_end = 1\n[robot]\nmodel = 2\n[motion]\n{table}\n")).motion
     assert type(loaded) is type(motion)
@@ -111,8 +111,8 @@ MISTAKES = [
     ("mass = 2.5", "mass = 20", r"\[robot.load\]: .*mass.*20"),
     ("mass = 2.5", "mass = 1, position = [0, 0.2]", r"\[robot.load\]: position: .* \[m\], got"),
     ('"hold"', '"holt"', r"\[motion\]: type: expected .* got 'holt', did you mean 'hold'"),
-    ("angle", "angles", r"\[motion\]: unknown key 'angles', did you mean 'angle'"),
-    ("[0.1, -0.2, 0.3]", "0.1", r"\[motion\]: angle: .* \[rad\], got 0.1"),
+    ("angles", "angle", r"\[motion\]: unknown key 'angle', did you mean 'angles'"),
+    ("[0.1, -0.2, 0.3]", "0.1", r"\[motion\]: angles: .* \[rad\], got 0.1"),
     ("rtol = 1e-6", "rtol = 0", r"\[solver\]: rtol: expected a positive number, got 0"),
     ('"bdf"', '"euler"', r"\[solver\]: method: expected .* got 'euler'"),
     ("[solver]", "[published]\nmotor_torque = [1, -1]\n[solver]", r"\[published\]: motor_torque: "),

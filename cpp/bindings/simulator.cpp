@@ -52,8 +52,7 @@ class Simulator {
   }
 
   void set_motor_torque(const Array& torque) {
-    system_->set_motor_torque(as_span(torque));
-    simulation_.input_changed();
+    simulation_.change_input([&] { system_->set_motor_torque(as_span(torque)); });
   }
 
   double time() const { return simulation_.time(); }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -81,9 +82,10 @@ void Simulation::advance(double target, Stop stop, Target at_target,
   }
 }
 
-void Simulation::input_changed() {
-  now_.x = state();
+void Simulation::change_input(const std::function<void()>& set) {
+  now_.x = state();  // with the old input
   if (trajectory_) trajectory_->cut(now_.time);
+  set();
   now_.step.t0 = now_.step.t1 = now_.time;
   now_.fired.clear();
   now_.time_event = false;
@@ -112,6 +114,12 @@ Simulation::Snapshot Simulation::save() const {
 }
 
 void Simulation::restore(const Snapshot& snapshot) {
+  const Mode& mode = system_.mode();
+  if (snapshot.x.size() != now_.x.size() || snapshot.z.size() != now_.z.size() ||
+      snapshot.mode.branches.size() != mode.branches.size() ||
+      snapshot.mode.held.size() != mode.held.size()) {
+    throw std::invalid_argument("snapshot: expected one of the same system");
+  }
   now_ = snapshot;
   system_.set_mode(snapshot.mode);
   integrator_.restart(now_.step.t1, now_.x.data(), now_.next_size);
@@ -124,7 +132,14 @@ void Simulation::advance_front() {
   x0_ = now_.x;
   z0_ = now_.z;
   slope0_ = now_.slope;
-  integrator_.advance(stop, now_.step, now_.x.data());
+  try {
+    integrator_.advance(stop, now_.step, now_.x.data());
+  } catch (...) {
+    now_.step.t1 = now_.step.t0;
+    // A run that cannot even begin leaves its beginning behind.
+    if (trajectory_ && trajectory_->n_steps() == 0) trajectory_->append(now_.step, system_.mode());
+    throw;
+  }
   if (!std::ranges::all_of(now_.x, [](double value) { return std::isfinite(value); })) {
     now_.x = x0_;
     now_.step.t1 = now_.step.t0;

@@ -68,8 +68,9 @@ class Simulation {
   void advance(double target, Stop stop, Target at_target,
                const std::function<void(double)>& look_up = {});
 
-  // An input of the system has been set at the present time: branches are decided again.
-  void input_changed();
+  // Sets an input of the system by calling `set`: an event at the present time, branches are
+  // decided again. What has been integrated ahead with the old input is given up.
+  void change_input(const std::function<void()>& set);
 
   double time() const { return now_.time; }
   // The state at the present time, after its events.
@@ -79,7 +80,7 @@ class Simulation {
   Statistics statistics() const;
 
   // All that the future depends on, the system's mode included. The log of events and the
-  // statistics go on.
+  // statistics go on. Restoring throws std::invalid_argument if the snapshot is of another system.
   struct Snapshot {
     double time = 0.0;
     Step step;                     // the front: the last step, cut off at an event

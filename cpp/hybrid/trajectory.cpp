@@ -19,6 +19,7 @@ void Trajectory::append(const Step& step, const Mode& present) {
 }
 
 void Trajectory::cut(double t) {
+  if (end.empty() || end.back() <= t) return;
   while (!begin.empty() && begin.back() >= t) {
     begin.pop_back();
     end.pop_back();

@@ -247,7 +247,7 @@ class RobotSystemOf final : public RobotSystem {
     signal(joint_rate) = equations_.qd(x);
     signal(joint_acceleration) = now.joint_acceleration;
     signal(rotor_angle) = equations_.rotor_angle(x);
-    signal(rotor_rate) = equations_.rotor_rate(x);
+    signal(rotor_rate) = equations_.rotor_rate(x) + 0.0;  // rest is 0, not -0, for negative p
     for (int i = 0; i < N; ++i) {
       const motion::Reference desired =
           motion_ ? motion_->reference(equations_.motion_piece, t, i)

@@ -25,9 +25,13 @@ constexpr double shortest_size = 1e-12;
 }  // namespace
 
 void BackwardDifferencesStep::evaluate(const hybrid::Step& step, double t, double* x) {
+  if (t == step.t0) {
+    std::copy_n(step.dense.data(), n_, x);
+    return;
+  }
   // Taylor's polynomial, by Horner's rule.
-  const double h = t - step.dense[0];
-  const double* derivatives = &step.dense[1];
+  const double h = t - step.dense[n_];
+  const double* derivatives = &step.dense[n_ + 1];
   std::copy_n(derivatives + bdf_largest_order * n_, n_, x);
   for (int order = bdf_largest_order; order > 0; --order) {
     const double* lower = derivatives + (order - 1) * n_;
@@ -73,8 +77,9 @@ void BackwardDifferences::restart(double t, const double* x, double) {
 void BackwardDifferences::advance(double stop, hybrid::Step& step, double* x1) {
   const int n = f_.system().n_states();
   step.t0 = t_;
-  step.dense.assign(1 + (bdf_largest_order + 1) * n, 0.0);
-  double* kept = &step.dense[1];
+  step.dense.assign(n + 1 + (bdf_largest_order + 1) * n, 0.0);
+  std::copy_n(x_.data(), n, step.dense.data());
+  double* kept = &step.dense[n + 1];
   int order = 1;
   const bool too_short = stop - t_ < shortest_size;
   if (too_short) {
@@ -97,7 +102,7 @@ void BackwardDifferences::advance(double stop, hybrid::Step& step, double* x1) {
     if (flag == CV_TSTOP_RETURN) t_ = stop;
   }
   std::copy_n(x1, n, kept);
-  step.dense[0] = step.t1 = t_;
+  step.dense[n] = step.t1 = t_;
 }
 
 void BackwardDifferences::derivatives(double t, const double* x, double* derivatives) {

@@ -18,8 +18,9 @@ class BackwardDifferencesStep : public hybrid::DenseOutput {
  public:
   explicit BackwardDifferencesStep(int n_states) : n_(n_states) {}
 
-  // `step.dense` holds the end of the step as BDF took it (a step may be cut off later), and there
-  // x, x', ..., x^(5); derivatives above the step's order are zero.
+  // `step.dense` holds the state at the step's beginning, which the polynomial meets only within
+  // the tolerance; the end of the step as BDF took it (it may be cut off later); and there x, x',
+  // ..., x^(5), zero above the step's order.
   void evaluate(const hybrid::Step& step, double t, double* x) override;
 
  private:

@@ -7,9 +7,9 @@
 namespace manutec_r3::solver {
 namespace {
 
-void keep_message(int, const char*, const char* function, const char* message, SUNErrCode,
-                  void* kept, SUNContext) {
-  *static_cast<std::string*>(kept) = std::string(function) + ": " + message;
+void keep_message(int, const char*, const char*, const char* message, SUNErrCode, void* kept,
+                  SUNContext) {
+  *static_cast<std::string*>(kept) = message;
 }
 
 }  // namespace

@@ -5,20 +5,30 @@ from typing import Any
 import numpy as np
 
 
+def numbers(name: str, value: Any, expected: str) -> np.ndarray:
+    """Return an array of floats from numbers, not from texts, truth values or nothing."""
+    try:
+        array = np.asarray(value)
+    except ValueError:  # ragged
+        array = np.array(None)
+    if array.dtype.kind not in "iuf":
+        raise TypeError(f"{name}: expected {expected}, got {value!r}")
+    return array.astype(float)
+
+
 def number(name: str, value: Any, unit: str) -> float:
     """Return a finite float; errors name the argument and its unit."""
-    array = floats(name, value, unit)
+    array = numbers(name, value, f"one number [{unit}]")
     if array.ndim != 0:
         raise ValueError(f"{name}: expected one number [{unit}], got shape {array.shape}")
+    if not np.isfinite(array):
+        raise ValueError(f"{name}: expected a finite number [{unit}], got {array}")
     return float(array)
 
 
 def floats(name: str, value: Any, unit: str) -> np.ndarray:
     """Return an array of finite floats; errors name the argument, its unit and the entry."""
-    try:
-        array = np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
-        raise TypeError(f"{name}: expected numbers [{unit}], got {value!r}") from None
+    array = numbers(name, value, f"numbers [{unit}]")
     if not np.isfinite(array).all():
         entry = tuple(int(k) for k in np.argwhere(~np.isfinite(array))[0])
         place = f" at index {entry[0] if len(entry) == 1 else entry}" if entry else ""
@@ -27,13 +37,8 @@ def floats(name: str, value: Any, unit: str) -> np.ndarray:
 
 
 def per_axis(name: str, value: Any, unit: str, n_axes: int) -> np.ndarray:
-    """Return an array (..., n_axes) of finite floats."""
-    try:
-        array = np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
-        raise TypeError(
-            f"{name}: expected {n_axes} numbers [{unit}], one per axis, got {value!r}"
-        ) from None
+    """Return an array (..., n_axes) of finite floats; errors name the argument, axis and unit."""
+    array = numbers(name, value, f"{n_axes} numbers [{unit}], one per axis")
     if array.ndim == 0 or array.shape[-1] != n_axes:
         raise ValueError(
             f"{name}: expected {n_axes} values [{unit}] along the last dimension, one per axis, "

@@ -1,5 +1,6 @@
 """Reference motions: the joint angles that the controllers are to follow."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -7,10 +8,10 @@ from functools import cached_property
 import numpy as np
 
 from . import _core
-from .arguments import floats, number
+from .arguments import floats, number, numbers
 
 
-class Motion:
+class Motion(ABC):
     """What all motions have in common; use `Quintic`, `Trapezoid` or `Hold`.
 
     A motion begins at 0 s; before, it rests at its start. It is immutable, comparable, picklable.
@@ -19,9 +20,10 @@ class Motion:
 
     duration: float
 
-    @cached_property
+    @property
+    @abstractmethod
     def _compiled(self) -> _core.Motion:
-        raise NotImplementedError
+        """The motion in the core."""
 
     def __getstate__(self) -> dict:
         return {name: value for name, value in self.__dict__.items() if name != "_compiled"}
@@ -66,7 +68,7 @@ class Motion:
 
 
 def _tuple(name: str, values: Sequence[float], unit: str) -> tuple[float, ...]:
-    array = floats(name, values, unit)
+    array = numbers(name, values, f"3 or 6 numbers [{unit}], one per axis")
     if array.ndim != 1:
         raise ValueError(
             f"{name}: expected 3 or 6 values [{unit}], one per axis, got shape {array.shape}"
@@ -166,14 +168,14 @@ class Hold(Motion):
 
     Parameters
     ----------
-    angle_held : sequence of 3 or 6 floats
+    angles : sequence of 3 or 6 floats
         Joint angles [rad].
     """
 
-    angle_held: tuple[float, ...]
+    angles: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        self._freeze(angle_held=_tuple("angles", self.angle_held, "rad"))
+        self._freeze(angles=_tuple("angles", self.angles, "rad"))
 
     @property
     def duration(self) -> float:
@@ -182,4 +184,4 @@ class Hold(Motion):
 
     @cached_property
     def _compiled(self) -> _core.Motion:
-        return _core.hold(self.angle_held)
+        return _core.hold(self.angles)

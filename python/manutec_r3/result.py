@@ -188,7 +188,7 @@ def _instants(
     if times is None:
         after = np.arange(len(begin))
         t = begin
-        if len(end) and end[-1] not in event_times:
+        if len(end) and end[-1] > begin[-1] and end[-1] not in event_times:
             t, after = np.append(t, end[-1]), np.append(after, len(end) - 1)
     else:
         t = np.union1d(times, end[before])

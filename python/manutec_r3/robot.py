@@ -42,6 +42,8 @@ class Load:
             raise ValueError(
                 f"load.position: expected three coordinates [m], got shape {position.shape}"
             )
+        if not isinstance(self.bounds, bool):
+            raise TypeError(f"load.bounds: expected True or False, got {self.bounds!r}")
         object.__setattr__(self, "mass", mass)
         object.__setattr__(self, "position", tuple(position.tolist()))
         _core.check_load(self.mass, self.position, self.bounds)
@@ -173,6 +175,8 @@ class Robot:
         ValueError
             If a motor would need more than its torque limit, or the motion does not fit the robot.
         """
+        if not isinstance(start, str):
+            raise TypeError(f"start: expected 'rotor' or 'arm', got {start!r}")
         return self._compiled.rest_state(self._core_motion(motion), start)
 
     def state_from(
@@ -255,7 +259,7 @@ class Robot:
             "composite": _core.forward_dynamics,
             "articulated": _core.articulated_forward_dynamics,
         }
-        if algorithm not in functions:
+        if algorithm not in tuple(functions):
             raise ValueError(f"algorithm: expected 'composite' or 'articulated', got {algorithm!r}")
         return self._per_pose(
             functions[algorithm], q=(q, "rad"), qd=(qd, "rad/s"), tau=(tau, "N m")

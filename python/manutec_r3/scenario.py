@@ -168,7 +168,7 @@ _MOTIONS = {
             "acceleration": _list_of("joint accelerations [rad/s^2]"),
         },
     ),
-    "hold": (Hold, {"angle": _list_of("joint angles [rad]")}),
+    "hold": (Hold, {"angles": _list_of("joint angles [rad]")}),
 }
 _SCENARIO = {"t_end": _positive("time [s]"), "robot": _TABLE, "motion": _TABLE}
 _SCENARIO_OPTIONS = {

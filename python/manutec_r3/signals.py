@@ -18,6 +18,8 @@ class Signals:
     controller.
     """
 
+    __slots__ = ()
+
     def _signal(self, name: str) -> np.ndarray:
         raise NotImplementedError
 

@@ -1,13 +1,14 @@
 """Simulating: a whole run, or step by step. Both are the same loop."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from time import perf_counter
 from typing import get_args
 
 import numpy as np
 
 from . import _core
-from .arguments import floats, number, per_axis
+from .arguments import floats, number, numbers, per_axis
 from .errors import SimulationError
 from .events import Event, Events
 from .motion import Motion
@@ -102,6 +103,22 @@ def simulate(
     return result()
 
 
+@dataclass(frozen=True)
+class SavedState:
+    """Where a `Simulator` was; see `Simulator.save`.
+
+    Attributes
+    ----------
+    time : float
+        When it was saved [s].
+    """
+
+    time: float
+    of: tuple[Robot, Motion | None, Method] = field(repr=False)
+    core: _core.Snapshot = field(repr=False)
+    untold: tuple[Event, ...] = field(repr=False)
+
+
 class Simulator(Signals):
     """A robot that is simulated step by step.
 
@@ -117,6 +134,8 @@ class Simulator(Signals):
     rtol, method, start
         As in `simulate`. Branches are decided from the start by physics.
     """
+
+    __slots__ = ("_compiled", "_untold", "method", "motion", "robot", "rtol")
 
     def __init__(
         self,
@@ -144,7 +163,12 @@ class Simulator(Signals):
         if isinstance(start, str):
             state = robot.rest_state(motion, start)
         else:
-            state = np.asarray(start, dtype=float)
+            state = numbers("start", start, "'rotor', 'arm' or a state vector")
+            if state.ndim != 1:
+                raise ValueError(
+                    f"start: expected a state vector of {robot.n_states} values, "
+                    f"got shape {state.shape}"
+                )
             robot._compiled.check_state(state)
         self.robot = robot
         self.motion = motion
@@ -285,19 +309,35 @@ class Simulator(Signals):
 
     # --- saving ---------------------------------------------------------------------------------
 
-    def save(self) -> tuple:
-        """Everything that the future depends on; give it to `restore`."""
-        return self._compiled.save(), tuple(self._untold)
+    def save(self) -> "SavedState":
+        """Return everything that the future depends on; give it to `restore`."""
+        return SavedState(
+            self.time,
+            (self.robot, self.motion, self.method),
+            self._compiled.save(),
+            tuple(self._untold),
+        )
 
-    def restore(self, saved: tuple) -> None:
+    def restore(self, saved: "SavedState") -> None:
         """Go back to where `save` was called, on this simulator or one like it.
 
         With ``method="erk"`` what follows is bit-identical to what followed then. ``"bdf"``
         restarts at order 1.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If this is no saved state, or one of another robot, motion or method.
         """
-        core_saved, untold = saved
-        self._compiled.restore(core_saved)
-        self._untold = list(untold)
+        if not isinstance(saved, SavedState):
+            raise TypeError(f"saved: expected what save() returned, got {saved!r}")
+        if saved.of != (self.robot, self.motion, self.method):
+            raise ValueError(
+                f"saved: expected a state of {self.robot}, {self.motion}, method {self.method!r}; "
+                "got one of {}, {}, method {!r}".format(*saved.of)
+            )
+        self._compiled.restore(saved.core)
+        self._untold = list(saved.untold)
 
     def __repr__(self) -> str:
         return f"<Simulator of model {self.robot.model} at {self.time:g} s>"

@@ -1,0 +1,256 @@
+"""Draws the pictures of the README: `python notebooks/draw_pictures.py`.
+
+`blocks.svg` shows the parts of which every axis is made (report, section 3), with the symbols of
+the report: a left superscript `a` means the side of the arm, `r` the side of the rotor.
+`figure9.png` is what `manutec-r3 run figure9` draws, with fewer pixels.
+"""
+
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, FancyBboxPatch
+
+import manutec_r3 as r3
+from manutec_r3.plot import figure9
+
+PICTURES = Path(__file__).parent / "pictures"
+
+TEXT = "#333a42"
+LINE = "#5d6771"
+FAINT = "#b4bcc4"
+CONTROLLER, MOTOR, MECHANICS = "#e3eefa", "#fdefd8", "#e6f0e4"
+SWITCHES = "#c0392b"  # the characteristics whose branches make events
+
+# Corners of the characteristics, both coordinates from -1 to 1.
+DEAD_ZONE = [(-1.0, -0.75), (-0.3, 0.0), (0.3, 0.0), (1.0, 0.75)]
+SATURATION = [(-1.0, -0.6), (-0.5, -0.6), (0.5, 0.6), (1.0, 0.6)]
+FRICTION = [(-1.0, -0.85), (0.0, -0.45), (0.0, 0.45), (1.0, 0.85)]
+BACKLASH = [(-1.0, -0.9), (-0.4, 0.0), (0.4, 0.0), (1.0, 0.9)]
+
+
+class Block:
+    """A box with a heading and, below it, lines of text; knows where arrows end."""
+
+    def __init__(
+        self,
+        panel: Axes,
+        centre: tuple[float, float],
+        size: tuple[float, float],
+        colour: str,
+        heading: str,
+        *lines: str,
+    ) -> None:
+        self.x, self.y = centre
+        self.width, self.height = size
+        self.left, self.right = self.x - size[0] / 2, self.x + size[0] / 2
+        self.bottom, self.top = self.y - size[1] / 2, self.y + size[1] / 2
+        panel.add_patch(
+            FancyBboxPatch(
+                (self.left, self.bottom),
+                *size,
+                boxstyle="round,pad=0,rounding_size=0.07",
+                facecolor=colour,
+                edgecolor=LINE,
+                linewidth=1.0,
+            )
+        )
+        panel.text(
+            self.x,
+            self.top - 0.1,
+            heading,
+            ha="center",
+            va="top",
+            fontsize=10.5,
+            fontweight="bold",
+            color=TEXT,
+        )
+        gap = (self.height - 0.36) / max(len(lines), 1)
+        for k, line in enumerate(lines):
+            write(panel, self.x, self.top - 0.34 - (k + 0.45) * gap, line)
+
+
+def write(
+    panel: Axes, x: float, y: float, words: str, ha: str = "center", size: float = 11
+) -> None:
+    """Write words, or a formula, around a point."""
+    panel.text(x, y, words, ha=ha, va="center", fontsize=size, color=TEXT)
+
+
+def arrow(panel: Axes, *corners: tuple[float, float]) -> None:
+    """Draw a line along corners, with an arrowhead at its end."""
+    xs, ys = zip(*corners[:-1], strict=True)
+    panel.plot(xs, ys, color=LINE, linewidth=1.3, solid_capstyle="butt")
+    panel.annotate(
+        "",
+        xy=corners[-1],
+        xytext=corners[-2],
+        arrowprops={
+            "arrowstyle": "-|>",
+            "color": LINE,
+            "linewidth": 1.3,
+            "shrinkA": 0,
+            "shrinkB": 0,
+        },
+    )
+
+
+def characteristic(
+    panel: Axes, x: float, y: float, corners: list[tuple[float, float]], size: float = 0.32
+) -> None:
+    """Draw a piecewise linear characteristic on its own small axes."""
+    panel.plot([x - 1.15 * size, x + 1.15 * size], [y, y], color=FAINT, linewidth=0.9)
+    panel.plot([x, x], [y - size, y + size], color=FAINT, linewidth=0.9)
+    panel.plot(
+        [x + size * u for u, _ in corners],
+        [y + size * v for _, v in corners],
+        color=SWITCHES,
+        linewidth=2.0,
+        solid_joinstyle="round",
+    )
+
+
+def blocks() -> Figure:
+    """Draw the blocks of an axis and what flows between them."""
+    width, height = 10.4, 5.75
+    figure = Figure(figsize=(width, height))
+    panel = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    panel.set(xlim=(0.0, width), ylim=(0.0, height))
+    panel.axis("off")
+    card = FancyBboxPatch(
+        (0.03, 0.03),
+        width - 0.06,
+        height - 0.06,
+        boxstyle="round,pad=0,rounding_size=0.15",
+        facecolor="white",
+        edgecolor=FAINT,
+        linewidth=0.8,
+    )
+    panel.add_patch(card)
+
+    top, middle, bottom, tall = 4.72, 2.95, 1.05, 1.3
+
+    # --- from the reference to the torque of the motor, left to right -----------------------------
+    reference = Block(
+        panel, (0.85, top), (1.1, tall), CONTROLLER, "reference", r"${}^a q_d$", r"${}^a \dot q_d$"
+    )
+    position = Block(
+        panel,
+        (2.72, top),
+        (1.72, tall),
+        CONTROLLER,
+        "position controller",
+        r"$K_V\,(p\;{}^a q_d - {}^r q)$",
+        r"$+\;K_D\;p\;{}^a \dot q_d$",
+    )
+    rate = Block(
+        panel,
+        (5.28, top),
+        (1.5, tall),
+        CONTROLLER,
+        "rate controller",
+        r"$\dfrac{K_S\,(T_0 s + 1)}{s\,(T_e s + 1)}$",
+    )
+    dead_zone = Block(panel, (6.98, top), (1.02, tall), MOTOR, "NL1")
+    characteristic(panel, dead_zone.x, top - 0.13, DEAD_ZONE)
+    motor = Block(
+        panel, (8.28, top), (0.98, tall), MOTOR, "motor", r"$K_M$,  PT2", r"$\omega_i,\;D_i$"
+    )
+    limit = Block(panel, (9.6, top), (1.02, tall), MOTOR, "NL2")
+    characteristic(panel, limit.x, top - 0.13, SATURATION)
+    for block, caption in ((dead_zone, r"dead zone $\pm a$"), (limit, r"limit $\pm b$")):
+        write(panel, block.x, block.bottom - 0.17, caption, size=10)
+
+    junction = (4.12, top)
+    radius = 0.11
+    panel.add_patch(Circle(junction, radius, facecolor="white", edgecolor=LINE, linewidth=1.2))
+    arrow(panel, (reference.right, top), (position.left, top))
+    arrow(panel, (position.right, top), (junction[0] - radius, top))
+    arrow(panel, (junction[0] + radius, top), (rate.left, top))
+    arrow(panel, (rate.right, top), (dead_zone.left, top))
+    arrow(panel, (dead_zone.right, top), (motor.left, top))
+    arrow(panel, (motor.right, top), (limit.left, top))
+    above = top + 0.18
+    write(panel, 3.78, above, "$u_c$")
+    write(panel, 4.38, above, "$e$")
+    write(panel, 6.25, above, "$U$")
+    write(panel, 7.64, above, "$v$")
+    write(panel, 8.93, above, "$m$")
+
+    # --- back from the rate of the rotor, right to left -------------------------------------------
+    low = 0.98
+    tacho = Block(
+        panel,
+        (7.45, middle),
+        (1.62, low),
+        CONTROLLER,
+        "tachogenerator",
+        r"$K_T,\;\omega_e,\;\omega_p,\;D_p$",
+    )
+    filtered = Block(
+        panel, (5.28, middle), (1.5, low), CONTROLLER, "filter", r"$\dfrac{T_a s + 1}{T_b s + 1}$"
+    )
+    arrow(panel, (tacho.left, middle), (filtered.right, middle))
+    arrow(panel, (filtered.left, middle), (junction[0], middle), (junction[0], top - radius))
+    write(panel, 6.34, middle + 0.18, "$u_t$")
+    write(panel, 4.3, middle + 0.18, "$y$")
+    write(panel, junction[0] - 0.17, top - 0.28, r"$-$")
+
+    # --- rotor, gear and arm, right to left -------------------------------------------------------
+    rotor = Block(panel, (8.7, bottom), (2.4, tall), MECHANICS, "rotor")
+    write(panel, 8.1, bottom + 0.0, r"${}^r J\;{}^r \ddot q =$")
+    write(panel, 8.1, bottom - 0.35, r"${}^r F - \tau - {}^r M$")
+    characteristic(panel, 9.35, bottom - 0.06, FRICTION)
+    gear = Block(panel, (5.42, bottom), (2.5, tall), MECHANICS, "gear")
+    write(panel, 4.83, bottom + 0.0, r"$\delta = {}^r q - p\;{}^a q$")
+    write(panel, 4.83, bottom - 0.35, r"$\tau = c\,s + d\,\dot\delta$")
+    characteristic(panel, 6.13, bottom - 0.06, BACKLASH)
+    arm = Block(
+        panel,
+        (1.55, bottom),
+        (2.5, tall),
+        MECHANICS,
+        "six arms and load",
+        r"$M({}^a q)\;{}^a \ddot q$",
+        r"$=\;{}^a h({}^a q,\;{}^a \dot q) + {}^a F$",
+    )
+    write(panel, 9.35, rotor.bottom + 0.13, "NL3 friction", size=9.5)
+    write(panel, 6.13, gear.bottom + 0.13, "NL4 backlash", size=9.5)
+
+    forward, back = bottom + 0.2, bottom - 0.25
+    arrow(panel, (limit.right, top), (10.24, top), (10.24, bottom), (rotor.right, bottom))
+    write(panel, 10.06, 3.6, r"${}^r F$")
+    arrow(panel, (rotor.left, forward), (gear.right, forward))
+    arrow(panel, (gear.right, back), (rotor.left, back))
+    write(panel, 7.08, forward + 0.2, r"${}^r q,\;{}^r \dot q$")
+    write(panel, 7.08, back - 0.2, r"$\tau$")
+    arrow(panel, (gear.left, forward), (arm.right, forward))
+    arrow(panel, (arm.right, back), (gear.left, back))
+    write(panel, 3.48, forward + 0.2, r"${}^a F = p\,\tau$")
+    write(panel, 3.48, back - 0.2, r"${}^a q,\;{}^a \dot q$")
+
+    arrow(panel, (8.7, rotor.top), (8.7, middle), (tacho.right, middle))
+    write(panel, 8.88, 2.42, r"${}^r \dot q$")
+    arrow(panel, (7.75, rotor.top), (7.75, 2.05), (position.x, 2.05), (position.x, position.bottom))
+    write(panel, 7.58, 1.87, r"${}^r q$")
+
+    # --- explanation ------------------------------------------------------------------------------
+    write(panel, 0.3, 3.3, "one chain for each axis", ha="left", size=10)
+    write(panel, 0.3, 3.05, "axes 1 to 3: elastic gear", ha="left", size=10)
+    write(panel, 0.3, 2.8, "axes 4 to 6: rigid gear", ha="left", size=10)
+    panel.plot([0.3, 0.52], [2.55, 2.55], color=SWITCHES, linewidth=2.0)
+    write(panel, 0.6, 2.55, "switches: events", ha="left", size=10)
+    return figure
+
+
+def main(folder: Path = PICTURES) -> None:
+    """Write both pictures."""
+    # Words as outlines look the same everywhere; without salt and date so does the file.
+    with mpl.rc_context({"svg.fonttype": "path", "svg.hashsalt": "blocks", "path.simplify": True}):
+        blocks().savefig(folder / "blocks.svg", transparent=True, metadata={"Date": None})
+        figure9(r3.Scenario.load("figure9").run()).savefig(folder / "figure9.png", dpi=130)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,908 @@
+"""The lines that users rely on, as they write them, and what they mean.
+
+Every test begins with lines of the public interface; the checks below them say what the names
+promise. Physics is tested elsewhere: here it is shapes, names, semantics and lifetimes.
+"""
+
+import pickle
+import re
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import manutec_r3 as r3
+
+SIGNALS = (
+    *("joint_angle", "joint_rate", "joint_acceleration", "rotor_angle", "rotor_rate"),
+    *("reference_angle", "reference_rate", "control_error"),
+    *("motor_torque", "gear_torque", "friction_torque", "joint_torque", "voltage"),
+)
+ELEMENTS = ("dead_zone", "torque_limit", "backlash", "friction")  # in the order of one instant
+GEAR_RATIO = np.array([-105.0, 210.0, 60.0, -99.0, 79.2, -99.0])  # Table 1
+EPS = np.finfo(float).eps
+
+load = r3.Load(mass=15.0, position=(0.0, 0.0, 0.25))
+robot = r3.Robot(model=3, load=load)
+motion = r3.Quintic(start=[0] * 6, end=[1.0, 1.0, 0.6, -0.2, -0.15, -0.1], duration=1.2)
+
+
+@pytest.fixture(scope="module")
+def result():
+    return r3.simulate(robot, motion, t_end=1.5)
+
+
+def motion_of(n_axes, *, end=1.2):
+    """A motion for a robot with this many moving axes."""
+    return r3.Quintic([0.0] * n_axes, [0.3] * n_axes, end)
+
+
+# --- robot, load, motion ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("model", "n_axes", "n_states", "n_indicators"),
+    [(1, 6, 60, 24), (2, 3, 30, 12), (3, 6, 66, 42), (4, 3, 36, 24)],  # report, Table 4
+)
+def test_the_four_models_have_the_orders_of_table_4(model, n_axes, n_states, n_indicators):
+    robot = r3.Robot(model=model, load=load)
+    assert (robot.n_axes, robot.n_states, robot.n_indicators) == (n_axes, n_states, n_indicators)
+    for names in (robot.state_names, robot.state_units, robot.state_nominals):
+        assert len(names) == n_states
+    assert len(set(robot.state_names)) == n_states
+    assert len(set(robot.indicator_names)) == len(robot.indicator_names) == n_indicators
+    assert min(robot.state_nominals) > 0.0
+
+
+@pytest.mark.parametrize(
+    ("model", "n_states", "n_indicators"), [(1, 12, 0), (2, 6, 0), (3, 18, 18), (4, 12, 12)]
+)
+def test_without_controller_there_is_nothing_electrical(model, n_states, n_indicators):
+    robot = r3.Robot(model=model, controller=None)
+    assert (robot.n_states, robot.n_indicators) == (n_states, n_indicators)
+    assert not {"voltage[1]", "filter[1]", "pt2_torque[1]"} & set(robot.state_names)
+
+
+def test_states_are_grouped_by_quantity_with_the_axis_fastest():
+    quantities = [name[:-3] for name in robot.state_names]
+    assert list(dict.fromkeys(quantities)) == [
+        *("joint_angle", "joint_rate", "deflection", "rotor_rate"),
+        *("tachogenerator_1", "tachogenerator_2", "tachogenerator_3"),
+        *("filter", "controller", "voltage", "pt2_torque", "pt2_torque_rate"),
+    ]
+    for quantity in dict.fromkeys(quantities):
+        axes = [int(name[-2]) for name in robot.state_names if name[:-3] == quantity]
+        elastic = quantity in ("deflection", "rotor_rate")  # gears of axes 1 to 3
+        assert axes == list(range(1, 4 if elastic else 7))
+    units = dict(zip(robot.state_names, robot.state_units, strict=True))
+    assert (units["joint_angle[1]"], units["joint_rate[6]"]) == ("rad", "rad/s")
+    assert (units["voltage[2]"], units["pt2_torque[3]"]) == ("V", "N m")
+
+
+def test_a_state_from_quantities_of_the_axes():
+    q, qd = np.linspace(0.1, 0.6, 6), np.linspace(-0.1, 0.4, 6)
+    rq, rqd = GEAR_RATIO * q, GEAR_RATIO * qd
+    rq[:3] += 0.02
+    rqd[:3] += 0.5
+    rF = np.linspace(-1.0, 1.0, 6)
+    x = robot.state_from(
+        joint_angle=q, joint_rate=qd, rotor_angle=rq, rotor_rate=rqd, motor_torque=rF
+    )
+    state = dict(zip(robot.state_names, x, strict=True))
+    # what is given in one form and kept in another is rounded once
+    for i in range(6):
+        assert state.pop(f"joint_angle[{i + 1}]") == q[i]
+        assert state.pop(f"joint_rate[{i + 1}]") == qd[i]
+        assert state.pop(f"pt2_torque[{i + 1}]") == rF[i]
+    for i in range(3):
+        deflection = state.pop(f"deflection[{i + 1}]")
+        assert deflection == pytest.approx(0.02, abs=4 * EPS * abs(rq[i]))
+        assert state.pop(f"rotor_rate[{i + 1}]") == rqd[i]
+    assert set(state.values()) == {0.0}  # the rest
+
+    sim = r3.Simulator(robot, motion, start=x)
+    np.testing.assert_array_equal(sim.state, x)
+    np.testing.assert_array_equal(sim.motor_torque, rF)
+    np.testing.assert_allclose(sim.rotor_angle, rq, rtol=4 * EPS)  # rounded once
+
+
+def test_the_default_start_is_at_rest_with_the_rotors_on_the_reference():
+    motion = r3.Hold([0.3, -0.5, 0.8, 0, 0, 0])
+    x = robot.rest_state(motion)
+    sim = r3.Simulator(robot, motion)
+    np.testing.assert_array_equal(sim.state, x)
+    # the deflection is found to roundoff of the angles of rotors, up to 100 rad
+    np.testing.assert_allclose(sim.rotor_angle, GEAR_RATIO * motion.angle(0.0), atol=1e-12)
+    assert np.abs(sim.control_error[1:3]).min() > 1e-5  # arms 2 and 3 sag
+    np.testing.assert_allclose(sim.joint_acceleration, 0.0, atol=1e-10)  # 750 N m in balance
+    for rates in (sim.joint_rate, sim.rotor_rate, sim.friction_torque[:3]):
+        np.testing.assert_allclose(rates, 0.0, atol=1e-12)
+
+
+def test_the_arm_may_be_on_the_reference_instead():
+    motion = r3.Hold([0.3, -0.5, 0.8, 0, 0, 0])
+    sim = r3.Simulator(robot, motion, start="arm")
+    np.testing.assert_array_equal(sim.control_error, 0.0)
+    np.testing.assert_array_equal(sim.state, robot.rest_state(motion, "arm"))
+
+
+def test_parameters_are_the_tables_of_the_report():
+    tables = robot.parameters
+    np.testing.assert_array_equal(tables["table_1"]["p"], GEAR_RATIO)
+    np.testing.assert_array_equal(tables["table_2"]["c"], [43.0, 8.0, 58.0])
+    np.testing.assert_array_equal(
+        tables["table_3"]["rJ"], [1.3e-3, 1.3e-3, 1.3e-3, 1.6e-4, 1.8e-4, 4.3e-5]
+    )
+    tables["table_1"]["p"] = None  # a copy: the robot cannot be changed through it
+    np.testing.assert_array_equal(robot.parameters["table_1"]["p"], GEAR_RATIO)
+
+
+@pytest.mark.parametrize(
+    "thing",
+    [load, robot, motion, r3.Trapezoid([0] * 3, [1] * 3, [2.5] * 3, [10] * 3), r3.Hold([0] * 6)],
+    ids=lambda thing: type(thing).__name__,
+)
+def test_inputs_are_immutable_picklable_comparable(thing):
+    again = pickle.loads(pickle.dumps(thing))
+    assert again == thing
+    assert hash(again) == hash(thing)
+    assert repr(again) == repr(thing)
+    for name in vars(thing):
+        with pytest.raises(AttributeError):
+            setattr(thing, name, None)
+
+
+def test_what_differs_is_not_equal():
+    assert robot == r3.Robot(model=3, load=r3.Load(15.0))  # (0, 0, 0.25) is the default
+    assert robot != r3.Robot(model=3)
+    assert robot != r3.Robot(model=1, load=load)
+    assert r3.Robot(model=3) == r3.Robot(model=3, load=r3.Load(mass=0.0))  # default: no load
+    assert r3.Robot(model=2) != r3.Robot(model=2, controller=None)
+    assert motion != r3.Quintic(motion.start, motion.end, duration=1.3)
+    assert r3.Hold([0] * 3) != r3.Hold([0] * 6)
+
+
+def test_motions_answer_for_one_instant_and_for_many():
+    quintic = r3.Quintic(start=[0] * 6, end=[1.0, 1.0, 0.6, -0.2, -0.15, -0.1], duration=1.2)
+    trapezoid = r3.Trapezoid(start=[0] * 6, end=[1] * 6, rate=[2.5] * 6, acceleration=[10] * 6)
+    hold = r3.Hold([0.3, -0.5, 0.8, 0, 0, 0])
+    t = np.linspace(-0.5, 2.0, 11)
+    for motion in (quintic, trapezoid, hold):
+        for quantity in (motion.angle, motion.rate, motion.acceleration):
+            assert quantity(0.4).shape == (6,)
+            assert quantity(t).shape == (11, 6)
+            assert quantity(list(t)).shape == (11, 6)
+            np.testing.assert_array_equal(quantity(t)[4], quantity(t[4]))
+    np.testing.assert_array_equal(quintic.angle(0.6), 0.5 * quintic.angle(1.2))  # symmetric
+    # 15/8 of the mean rate in the middle; a rounding for each operation of the polynomial
+    np.testing.assert_allclose(quintic.rate(0.6), 1.875 / 1.2 * quintic.angle(1.2), rtol=16 * EPS)
+    assert quintic.duration == 1.2
+    np.testing.assert_array_equal(quintic.knots, [0.0, 1.2])
+    # 1 rad at 2.5 rad/s takes 0.4 s, and 0.25 s more to get there and back from it at 10 rad/s^2
+    assert trapezoid.duration == pytest.approx(0.65, rel=4 * EPS)  # sums of rounded times
+    np.testing.assert_allclose(trapezoid.knots, [0.0, 0.25, 0.4, 0.65], rtol=4 * EPS)
+    np.testing.assert_allclose(trapezoid.rate(0.3), 2.5, rtol=16 * EPS)
+    np.testing.assert_array_equal(hold.angle(t), np.tile([0.3, -0.5, 0.8, 0, 0, 0], (11, 1)))
+    assert (hold.duration, hold.knots.size) == (0.0, 0)
+
+
+def test_a_motion_rests_before_its_start_and_after_its_end():
+    for angle, t in ((motion.start, -1.0), (motion.start, 0.0), (motion.end, 1.2), (motion.end, 9)):
+        np.testing.assert_array_equal(motion.angle(t), angle)
+        np.testing.assert_array_equal(motion.rate(t), 0.0)
+
+
+def test_motions_are_right_continuous_at_their_knots():
+    trapezoid = r3.Trapezoid(start=[0] * 6, end=[1] * 6, rate=[2.5] * 6, acceleration=[10] * 6)
+    first = [trapezoid.acceleration(knot)[0] for knot in trapezoid.knots]
+    np.testing.assert_allclose(first, [10.0, 0.0, -10.0, 0.0], rtol=16 * EPS)  # rounded products
+    assert first[1] == first[3] == 0.0
+
+
+def test_the_slowest_axis_leads_a_trapezoid():
+    trapezoid = r3.Trapezoid([0.0] * 3, [1.0, -2.0, 0.5], rate=[2.5] * 3, acceleration=[10.0] * 3)
+    rate = trapezoid.rate(np.linspace(0.0, trapezoid.duration, 101))
+    assert np.abs(rate).max() == pytest.approx(2.5, rel=16 * EPS)  # axis 2, rounded products
+    np.testing.assert_allclose(rate[:, 0], -0.5 * rate[:, 1], rtol=16 * EPS)
+    np.testing.assert_allclose(rate[:, 2], -0.25 * rate[:, 1], rtol=16 * EPS)
+
+
+# --- simulate -----------------------------------------------------------------------------------
+
+
+def test_simulate_in_one_line(result):
+    result = r3.simulate(robot, motion, t_end=1.5)
+    assert result.time[0] == 0.0
+    assert result.time[-1] == 1.5
+    assert (np.diff(result.time) >= 0.0).all()
+    n = len(result.time)
+    for name in SIGNALS:
+        assert getattr(result, name).shape == (n, 6), name
+        assert np.isfinite(getattr(result, name)).all(), name
+    assert result.state.shape == (n, 66)
+
+
+def test_simulate_with_everything_said():
+    result = r3.simulate(
+        robot, motion, t_end=1.5, rtol=1e-9, method="erk", start="rotor", times=[0.0, 0.5, 1.0, 1.5]
+    )
+    assert (result.method, result.rtol) == ("erk", 1e-9)
+    events = np.unique(result.events.time)
+    recorded = np.union1d(np.repeat(events, 2), [0.0, 0.5, 1.0, 1.5])
+    np.testing.assert_array_equal(np.unique(result.time), recorded)
+    assert len(result.time) == 4 + 2 * len(events)  # both sides of each event
+
+
+def test_simulate_with_the_other_method_and_from_a_state():
+    x = robot.rest_state(motion)
+    result = r3.simulate(robot, motion, t_end=0.1, method="bdf", start=x)
+    # its dense output is a polynomial from the end of the step: it rounds at the beginning
+    np.testing.assert_allclose(result.state[0], x, atol=1e-13)
+    assert result.method == "bdf"
+    assert result.rtol < r3.simulate(robot, motion, t_end=0.1).rtol  # each has its own default
+
+
+@pytest.mark.parametrize("model", [1, 2, 3, 4])
+@pytest.mark.parametrize("controller", ["continuous", None])
+def test_signals_have_a_column_for_each_moving_axis(model, controller):
+    robot = r3.Robot(model=model, controller=controller)
+    result = r3.simulate(robot, motion_of(robot.n_axes), t_end=0.05)
+    for name in SIGNALS:
+        assert getattr(result, name).shape == (len(result.time), robot.n_axes), name
+    assert result.state.shape == (len(result.time), robot.n_states)
+    for element in ELEMENTS:
+        assert result.branches[element].shape == (len(result.time), robot.n_axes)
+
+
+def test_both_sides_of_an_event_are_recorded(result):
+    for event in result.events:
+        before, after = np.flatnonzero(result.time == event.time)
+        assert after == before + 1
+        if event.axis:
+            branch = result.branches[event.element][:, event.axis - 1]
+            assert (branch[before], branch[after]) == (event.before, event.after)
+    instants, times = np.unique(result.time, return_counts=True)
+    np.testing.assert_array_equal(instants[times == 2], np.unique(result.events.time))
+    assert times.max() == 2
+
+
+def test_signals_mean_what_their_names_say(result):
+    # before its knot at 1.2 s the motion is the polynomial, which rounds to the end angle
+    np.testing.assert_allclose(result.reference_angle, motion.angle(result.time), atol=4 * EPS)
+    # differences and products of recorded numbers, rounded alike
+    np.testing.assert_array_equal(result.control_error, result.reference_angle - result.joint_angle)
+    p = GEAR_RATIO
+    np.testing.assert_array_equal(result.joint_torque, p * result.gear_torque)
+    np.testing.assert_array_equal(result.rotor_angle[:, 3:], (p * result.joint_angle)[:, 3:])
+    np.testing.assert_array_equal(result.rotor_rate[:, 3:], (p * result.joint_rate)[:, 3:])
+    # axes 4 to 6 are rigid; while one sticks its torques come from a solve, rounded a few times
+    np.testing.assert_allclose(
+        result.gear_torque[:, 3:],
+        (result.motor_torque - result.friction_torque)[:, 3:],
+        atol=64 * EPS * 10.0,
+    )
+    names = list(robot.state_names)
+    np.testing.assert_array_equal(result.state[:, names.index("voltage[2]")], result.voltage[:, 1])
+    # no limit of torque in this run: rF is the state of the motor
+    np.testing.assert_array_equal(
+        result.state[:, names.index("pt2_torque[5]")], result.motor_torque[:, 4]
+    )
+    # tau = c s + d delta' of axis 2, with s = 0 inside the gap of half-width b (Table 2)
+    delta = result.state[:, names.index("deflection[2]")]
+    delta_rate = result.rotor_rate[:, 1] - p[1] * result.joint_rate[:, 1]
+    s = np.sign(delta) * np.maximum(np.abs(delta) - 0.06, 0.0)
+    tau = 8.0 * s + 0.01 * delta_rate
+    # the two rates are up to 334 rad/s and cancel
+    np.testing.assert_allclose(result.gear_torque[:, 1], tau, atol=0.01 * 334 * 16 * EPS)
+
+
+def test_what_a_robot_does_not_have_is_nan_or_zero():
+    result = r3.simulate(r3.Robot(model=2, controller=None), None, t_end=0.05)
+    for name in ("reference_angle", "reference_rate", "control_error", "voltage"):
+        assert np.isnan(getattr(result, name)).all(), name
+    for name in ("joint_angle", "joint_rate", "motor_torque", "friction_torque"):
+        np.testing.assert_array_equal(getattr(result, name), 0.0)  # an equilibrium
+    followed = r3.simulate(r3.Robot(model=2, controller=None), r3.Hold([0.1] * 3), t_end=0.05)
+    assert np.isfinite(followed.control_error).all()  # to compare with, nothing follows it
+    assert np.isnan(followed.voltage).all()
+    ideal = r3.simulate(r3.Robot(model=1), motion_of(6), t_end=0.1)
+    np.testing.assert_array_equal(ideal.friction_torque, 0.0)
+    for element in ("friction", "backlash"):
+        np.testing.assert_array_equal(ideal.branches[element], 0)
+
+
+def test_dense_output_has_the_same_signals_at_any_times(result):
+    samples = result.at([0.1, 0.2])
+    for name in SIGNALS:
+        assert getattr(samples, name).shape == (2, 6), name
+    assert samples.state.shape == (2, 66)
+    assert samples.branches["friction"].shape == (2, 6)
+    np.testing.assert_array_equal(result.at([0.2, 0.1]).state, samples.state[::-1])
+    np.testing.assert_array_equal(result.at(0.1).state, samples.state[:1])
+    inside = np.unique(result.time)
+    inside = inside[~np.isin(inside, result.events.time)]
+    np.testing.assert_array_equal(
+        result.at(inside).state, result.state[np.isin(result.time, inside)]
+    )
+
+
+def test_dense_output_is_right_continuous_at_events(result):
+    times = np.unique(result.events.time)
+    after = np.searchsorted(result.time, times, side="right") - 1
+    samples = result.at(times)
+    np.testing.assert_array_equal(samples.state, result.state[after])
+    for name in SIGNALS:
+        np.testing.assert_array_equal(getattr(samples, name), getattr(result, name)[after])
+    for element in ELEMENTS:
+        np.testing.assert_array_equal(samples.branches[element], result.branches[element][after])
+
+
+def test_statistics_are_summed_over_restarts(result):
+    work = result.statistics
+    assert work.events == len(result.events) == 60
+    # one restart for each instant with events, and one for each kink of friction on the way
+    assert work.restarts >= len(np.unique(result.events.time))
+    assert work.evaluations > work.steps > len(result.events)
+    assert work.samples == 0
+    assert work.seconds > 0.0
+
+
+def test_events_are_rows_and_columns(result):
+    assert len(result.events) == 60
+    for k, event in enumerate(result.events):
+        columns = result.events
+        assert event.time == columns.time[k]
+        assert event.axis == columns.axis[k]
+        assert event.element == columns.element[k]
+        assert (event.before, event.after) == (columns.before[k], columns.after[k])
+        assert event.element in (*ELEMENTS, "reference")
+        if event.element == "reference":
+            assert (event.axis, event.before, event.after) == (0, 0, 0)
+        else:
+            assert 1 <= event.axis <= 6
+            assert {event.before, event.after} <= {-1, 0, 1}
+            assert event.before != event.after
+    assert (result.events.time > 0.0).all()
+    assert (result.events.time < 1.5).all()
+    assert (np.diff(result.events.time) >= 0.0).all()
+
+
+def test_a_result_survives_pickling(result):
+    again = pickle.loads(pickle.dumps(result))
+    assert again.events == result.events
+    np.testing.assert_array_equal(again.state, result.state)
+    np.testing.assert_array_equal(again.at(0.7).motor_torque, result.at(0.7).motor_torque)
+
+
+def test_arrays_outlive_their_result():
+    result = r3.simulate(robot, motion, t_end=0.1)
+    angle, expected = result.joint_angle, result.joint_angle.copy()
+    del result
+    r3.simulate(robot, motion, t_end=0.1)  # reuses freed memory, if any was freed too early
+    np.testing.assert_array_equal(angle, expected)
+
+
+# --- step by step -------------------------------------------------------------------------------
+
+
+def test_a_step_goes_through_every_event_on_the_way(result):
+    sim = r3.Simulator(robot, motion, rtol=1e-8)
+    assert sim.step(1e-3) == []
+    assert sim.time == 1e-3
+    met = sim.step(0.1)
+    assert [event.element for event in met][:2] == ["dead_zone", "dead_zone"]
+    assert all(0.001 < event.time <= 0.101 for event in met)
+    assert sim.step(0.0) == []
+
+
+def test_to_the_next_event_and_no_further(result):
+    sim = r3.Simulator(robot, motion)
+    met = []
+    while (event := sim.step_to_event(t_end=1.5)) is not None:
+        met.append(event)
+        assert sim.time == event.time
+        if event.axis:
+            assert sim.branches[event.element][event.axis - 1] == event.after
+    assert sim.time == 1.5
+    assert tuple(met) == tuple(result.events)
+
+
+def test_without_an_end_it_looks_until_half_a_second_after_the_motion():
+    sim = r3.Simulator(r3.Robot(model=1), r3.Quintic([0] * 6, [0.01] * 6, 0.1))
+    while sim.step_to_event() is not None:
+        pass
+    assert sim.time == pytest.approx(0.6, rel=4 * EPS)  # a sum of rounded numbers
+    sim.step(1.0)
+    now = sim.time
+    assert sim.step_to_event() is None
+    assert sim.time == now  # never back
+
+
+def test_an_event_at_the_end_is_left_for_the_next_call():
+    sim = r3.Simulator(r3.Robot(model=2), r3.Quintic([0] * 3, [0] * 3, duration=0.1))
+    assert sim.step_to_event(t_end=0.1) is None
+    assert sim.time == 0.1
+    assert sim.step_to_event(t_end=0.2) == (0.1, 0, "reference", 0, 0)
+    assert sim.time == 0.1
+    sim = r3.Simulator(r3.Robot(model=2), r3.Quintic([0] * 3, [0] * 3, duration=0.1))
+    assert sim.step(0.1) == [(0.1, 0, "reference", 0, 0)]  # a step includes its end
+
+
+def test_a_simulator_shows_every_signal_at_this_instant(result):
+    sim = r3.Simulator(robot, motion)
+    for event in result.events:
+        sim.step_to_event()
+        after = np.searchsorted(result.time, event.time, side="right") - 1
+        for name in SIGNALS:
+            assert getattr(sim, name).shape == (6,)
+            np.testing.assert_array_equal(getattr(sim, name), getattr(result, name)[after])
+        np.testing.assert_array_equal(sim.state, result.state[after])
+        for element in ELEMENTS:
+            assert sim.branches[element].shape == (6,)
+            np.testing.assert_array_equal(sim.branches[element], result.branches[element][after])
+
+
+@pytest.mark.parametrize("same", [True, False])
+def test_what_was_saved_can_be_restored(same):
+    sim = r3.Simulator(robot, motion)
+    sim.step(0.5)
+    saved = sim.save()
+    at_save = sim.state
+    events = sim.step(0.8)
+    end = sim.state
+    other = sim if same else r3.Simulator(robot, motion)
+    other.restore(saved)
+    assert other.time == 0.5
+    np.testing.assert_array_equal(other.state, at_save)
+    assert other.step(0.8) == events
+    np.testing.assert_array_equal(other.state, end)
+
+
+def test_what_another_robot_saved_is_refused():
+    saved = r3.Simulator(robot, motion).save()
+    other = r3.Simulator(r3.Robot(model=2), r3.Hold([0] * 3))
+    with pytest.raises(ValueError, match="saved"):
+        other.restore(saved)
+
+
+def test_branches_are_decided_from_a_state_by_physics():
+    x = robot.state_from(joint_angle=[0] * 6, rotor_angle=[0.02, -0.03, 0.01, 0, 0, 0])
+    x[robot.state_names.index("voltage[4]")] = 0.03  # beyond the dead zone of 0.022 V
+    x[robot.state_names.index("pt2_torque[1]")] = -10.0  # beyond the limit of 9 N m
+    x[robot.state_names.index("rotor_rate[3]")] = -1.0
+    sim = r3.Simulator(robot, motion, start=x)
+    np.testing.assert_array_equal(sim.branches["dead_zone"], [0, 0, 0, 1, 0, 0])
+    np.testing.assert_array_equal(sim.branches["torque_limit"], [-1, 0, 0, 0, 0, 0])
+    np.testing.assert_array_equal(sim.branches["backlash"], [1, 0, 0, 0, 0, 0])  # 0.01, 0.06 rad
+    # 9 N m and a tensed gear pull rotor 1 backward; rotor 3 moves; all others hold
+    np.testing.assert_array_equal(sim.branches["friction"], [-1, 0, -1, 0, 0, 0])
+    assert sim.motor_torque[0] == -9.0
+    assert sim.time == 0.0
+    assert sim.statistics["events"] == 0  # the decision at the start is no event
+
+
+def test_motor_torques_are_inputs_without_a_controller():
+    sim = r3.Simulator(r3.Robot(model=2, controller=None))
+    np.testing.assert_array_equal(sim.motor_torque, 0.0)
+    np.testing.assert_array_equal(sim.joint_angle, 0.0)
+    sim.motor_torque = [1.0, 2.0, 0.5]
+    sim.step(1e-3)
+    np.testing.assert_array_equal(sim.motor_torque, [1.0, 2.0, 0.5])
+    sim.step(1e-3)
+    np.testing.assert_array_equal(sim.motor_torque, [1.0, 2.0, 0.5])  # held
+    torque = GEAR_RATIO[:3] * [1.0, 2.0, 0.5]
+    acceleration = sim.robot.forward_dynamics(sim.joint_angle, sim.joint_rate, torque)
+    # the same equations, perhaps in another order of operations
+    np.testing.assert_allclose(sim.joint_acceleration, acceleration, rtol=1e-12)
+
+
+@pytest.mark.parametrize("method", ["erk", "bdf"])
+def test_an_input_acts_from_now_on_and_not_before(method):
+    sim = r3.Simulator(r3.Robot(model=2, controller=None), method=method)
+    sim.motor_torque = [0.1, 0.2, 0.05]
+    sim.step(0.0123)  # the integrator is ahead by a part of its step
+    before = sim.state
+    sim.motor_torque = [1.0, 2.0, 0.5]
+    np.testing.assert_array_equal(sim.state, before)
+
+
+def test_setting_an_input_decides_branches_at_once():
+    sim = r3.Simulator(r3.Robot(model=3, controller=None))
+    sim.step(0.01)
+    np.testing.assert_array_equal(sim.branches["friction"], 0)
+    sim.motor_torque = [1.0, -1.0, 1.0, -1.0, 0.0, 0.0]
+    slides = [1, -1, 1, -1, 0, 0]
+    np.testing.assert_array_equal(sim.branches["friction"], slides)
+    assert sim.time == 0.01
+    # they are told by the next step, in the order of the axes
+    assert sim.step(0.0) == [(0.01, i + 1, "friction", 0, s) for i, s in enumerate(slides) if s]
+    sim.motor_torque = [0.0] * 6
+    sim.step(0.5)
+    np.testing.assert_array_equal(sim.branches["friction"], 0)  # friction has stopped it
+
+
+def test_the_events_of_one_instant_follow_without_advance():
+    sim = r3.Simulator(r3.Robot(model=3, controller=None))
+    sim.step(0.01)
+    sim.motor_torque = [1.0] * 6
+    for axis in range(1, 7):
+        assert sim.step_to_event(t_end=0.02) == (0.01, axis, "friction", 0, 1)
+        assert sim.time == 0.01
+
+
+# --- the arm alone ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("model", [1, 2, 3, 4])
+def test_the_arm_alone_for_one_pose_or_many(model):
+    robot = r3.Robot(model=model, load=load)
+    n = robot.n_axes
+    random = np.random.default_rng(1)
+    q, qd, tau = random.uniform(-1.0, 1.0, (3, 5, 2, n))
+    qdd = robot.forward_dynamics(q, qd, tau)
+    assert qdd.shape == (5, 2, n)
+    # the mass matrix has a condition of some hundreds
+    np.testing.assert_allclose(robot.inverse_dynamics(q, qd, qdd), tau, atol=1e-10)
+    assert robot.mass_matrix(q).shape == (5, 2, n, n)
+    assert robot.link_poses(q).shape == (5, 2, 7, 4, 4)
+    assert robot.load_position(q).shape == (5, 2, 3)
+    one = robot.forward_dynamics(list(q[3, 1]), list(qd[3, 1]), list(tau[3, 1]))
+    np.testing.assert_array_equal(one, qdd[3, 1])
+    # one rate and one torque for all poses
+    np.testing.assert_array_equal(robot.forward_dynamics(q, qd[0, 0], tau[0, 0])[0, 0], qdd[0, 0])
+
+
+def test_world_and_frames_of_the_arms():
+    robot = r3.Robot(model=2, load=load)
+    stretched = robot.link_poses([0, 0, 0])
+    np.testing.assert_array_equal(stretched[:, :3, :3], np.tile(np.eye(3), (7, 1, 1)))
+    heights = [0.0, 0.0, 0.0, 0.5, 0.5, 1.23, 1.23]  # joints 1 and 2, 3 and 4, 5 and 6
+    np.testing.assert_allclose(stretched[:, 2, 3], heights, rtol=4 * EPS)  # sums
+    np.testing.assert_allclose(robot.load_position([0, 0, 0]), [0, 0, 1.48], rtol=4 * EPS)
+    # a positive angle of axis 2 leans the arm towards -y
+    np.testing.assert_allclose(robot.load_position([0, np.pi / 2, 0]), [0, -1.48, 0], atol=8 * EPS)
+
+
+def test_gears_of_the_arm_alone_are_ideal_in_every_model():
+    p2rJ = GEAR_RATIO**2 * [1.3e-3, 1.3e-3, 1.3e-3, 1.6e-4, 1.8e-4, 4.3e-5]
+    for model in (1, 3):
+        M = r3.Robot(model=model).mass_matrix([0] * 6)
+        assert (np.diag(M) >= p2rJ * (1.0 - 4 * EPS)).all()
+    full, simplified = (r3.Robot(model=model).mass_matrix([0.1] * 6) for model in (1, 3))
+    np.testing.assert_allclose(np.diag(full), np.diag(simplified), rtol=16 * EPS)
+    assert full[0, 1] == pytest.approx(simplified[0, 1], abs=1e-12)  # rotor 2 lies across axis 1
+    # rotor 3 spins about an axis parallel to joint 2: coupled in model 1 only, p_3 rJ_3
+    assert full[1, 2] - simplified[1, 2] == pytest.approx(60 * 1.3e-3, rel=1e-10)
+
+
+# --- meanings that must not differ --------------------------------------------------------------
+
+
+@pytest.mark.parametrize("model", [2, 4])
+def test_models_2_and_4_accept_motions_of_six_axes_with_the_last_at_zero(model):
+    robot = r3.Robot(model=model, load=load)
+    three = r3.simulate(robot, r3.Quintic([0] * 3, [0.3, 0.2, 0.1], 0.3), t_end=0.5)
+    six = r3.simulate(robot, r3.Quintic([0] * 6, [0.3, 0.2, 0.1, 0, 0, 0], 0.3), t_end=0.5)
+    np.testing.assert_array_equal(three.state, six.state)
+    assert three.events == six.events
+    assert six.reference_angle.shape == (len(six.time), 3)
+
+
+def test_an_element_that_an_axis_lacks_has_branch_zero(result):
+    np.testing.assert_array_equal(result.branches["backlash"][:, 3:], 0)  # rigid gears
+    np.testing.assert_array_equal(result.branches["backlash"][:, 2], 0)  # no backlash: b = 0
+
+
+def test_knots_at_the_ends_are_no_events():
+    robot = r3.Robot(model=2)
+    trapezoid = r3.Trapezoid([0] * 3, [1] * 3, rate=[2.5] * 3, acceleration=[10] * 3)
+    for t_end, n_knots in ((trapezoid.knots[2], 1), (trapezoid.duration, 2), (1.0, 3)):
+        result = r3.simulate(robot, trapezoid, t_end=t_end)
+        met = result.events.time[result.events.element == "reference"]
+        np.testing.assert_array_equal(met, trapezoid.knots[1 : 1 + n_knots])
+
+
+def test_what_sticks_does_not_move_at_all(result):
+    sticks = result.branches["friction"] == 0
+    assert sticks.any(axis=0).all()  # every axis sticks at some time
+    for between in (result, result.at(np.linspace(0.0, 1.5, 5001))):
+        sticks = between.branches["friction"] == 0
+        assert (between.rotor_rate[sticks] == 0.0).all()
+        assert (between.joint_rate[:, 3:][sticks[:, 3:]] == 0.0).all()
+        assert (between.joint_acceleration[:, 3:][sticks[:, 3:]] == 0.0).all()
+
+
+def test_where_one_looks_does_not_change_the_steps(result):
+    looked = r3.simulate(robot, motion, t_end=1.5, times=np.linspace(0.0, 1.5, 1001))
+    assert looked.events == result.events
+    assert looked.statistics.steps == result.statistics.steps
+    np.testing.assert_array_equal(looked.state[-1], result.state[-1])
+    at = result.at(looked.time)  # right-continuous: what `looked` has last at each instant
+    last = np.append(np.diff(looked.time) > 0.0, True)
+    np.testing.assert_array_equal(at.state[last], looked.state[last])
+
+    sim = r3.Simulator(robot, motion)
+    met = []
+    for k in range(1, 1501):
+        met += sim.step(max(1e-3 * k - sim.time, 0.0))
+    assert tuple(met) == tuple(result.events)
+    assert sim.statistics["steps"] == result.statistics.steps
+    # the same interpolant of the same step, at an instant that differs by roundoff
+    np.testing.assert_allclose(sim.joint_angle, result.at(sim.time).joint_angle[0], rtol=1e-12)
+
+
+def test_a_run_repeats_bit_by_bit(result):
+    again = r3.simulate(robot, motion, t_end=1.5)
+    assert again.events == result.events
+    np.testing.assert_array_equal(again.state, result.state)
+
+
+# --- scenarios and the command ------------------------------------------------------------------
+
+
+def test_a_scenario_is_the_same_run(result):
+    assert {"figure9", "figure9-quintic"} <= set(r3.scenarios())
+    scenario = r3.Scenario.load("figure9").run()
+    assert scenario.events == result.events
+    np.testing.assert_array_equal(scenario.state, result.state)
+
+
+def test_the_command_runs_figure9(result, tmp_path):
+    command = [sys.executable, "-c", "from manutec_r3.command_line import main; main()"]
+    done = subprocess.run(
+        [*command, "run", "figure9"], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert "60: 26 dead zone, 20 friction, 13 backlash, 1 reference" in done.stdout
+    with np.load(tmp_path / "figure9" / "result.npz") as archive:
+        np.testing.assert_array_equal(archive["control_error"], result.control_error)
+
+
+# --- errors -------------------------------------------------------------------------------------
+
+NAN, INF = float("nan"), float("inf")
+HOLD = r3.Hold([0] * 6)
+
+
+def simulate(robot=robot, motion=HOLD, t_end=0.01, **options):
+    return r3.simulate(robot, motion, t_end, **options)
+
+
+def simulator(model=3, controller="continuous"):
+    robot = r3.Robot(model=model, controller=controller)
+    return r3.Simulator(robot, r3.Hold([0.0] * robot.n_axes))
+
+
+def set_torque(torque, controller=None):
+    simulator(2, controller).motor_torque = torque
+
+
+# each: what is done; what the message says of field, axis, unit, expected and arrived value
+BAD = [
+    # robot and load
+    (lambda: r3.Robot(model=5), r"model: expected 1, 2, 3 or 4, got 5"),
+    (lambda: r3.Robot(model="3"), r"model: expected 1, 2, 3 or 4, got '3'"),
+    (lambda: r3.Robot(load=15.0), r"load: expected a Load, got 15\.0"),
+    (lambda: r3.Robot(controller="pid"), r"controller: expected .*'continuous'.*, got 'pid'"),
+    (lambda: r3.Load(-1.0), r"load\.mass: expected .*0 kg.*, got -1 kg"),
+    (lambda: r3.Load(15.1), r"load\.mass: expected 0 to 15 kg, got 15\.1 kg"),
+    (lambda: r3.Load(NAN), r"load\.mass: expected .*finite.*\[kg\], got nan"),
+    (lambda: r3.Load("1"), r"load\.mass: expected .*number.*\[kg\], got '1'"),
+    (lambda: r3.Load(None), r"load\.mass: expected .*number.*\[kg\], got None"),
+    (lambda: r3.Load(1.0, (0.0, 0.2)), r"load\.position: expected three .*\[m\], got .*2"),
+    (lambda: r3.Load(1.0, (0, INF, 0.2)), r"load\.position.*: expected .*finite.*\[m\], got inf"),
+    (lambda: r3.Load(1.0, (0.1, 0.1, 0.2)), r"load\.position.*expected 0 to 0\.1 m, got 0\.1414"),
+    (
+        lambda: r3.Load(1.0, (0, 0, 0.3)),
+        r"load\.position\[2\]: expected 0\.15 to 0\.25 m, got 0\.3",
+    ),
+    (lambda: r3.Load(-1.0, bounds=False), r"load\.mass: expected .*0 kg.*, got -1 kg"),
+    # motions
+    (lambda: r3.Quintic([0] * 4, [0] * 4, 1.0), r"start: expected 3 or 6 angles \[rad\], got 4"),
+    (lambda: r3.Quintic([0] * 6, [0] * 5, 1.0), r"end: expected 6 .*, got 5"),
+    (lambda: r3.Quintic(0.0, [0] * 6, 1.0), r"start: expected 3 or 6 .*\[rad\].*, got .*\(\)"),
+    (lambda: r3.Quintic([0, 0, NAN], [0] * 3, 1.0), r"start of axis 3: .*finite.*\[rad\], got nan"),
+    (lambda: r3.Quintic([0] * 3, [0, INF, 0], 1.0), r"end of axis 2: .*finite.*\[rad\], got inf"),
+    (lambda: r3.Quintic("abc", [0] * 3, 1.0), r"start: expected .*numbers \[rad\].*, got 'abc'"),
+    (lambda: r3.Quintic([0] * 3, [0] * 3, 0.0), r"duration: expected a positive .*\[s\], got 0"),
+    (lambda: r3.Quintic([0] * 3, [0] * 3, -1.0), r"duration: expected a positive .*\[s\], got -1"),
+    (lambda: r3.Quintic([0] * 3, [0] * 3, NAN), r"duration: expected .*finite.*\[s\], got nan"),
+    (
+        lambda: r3.Trapezoid([0] * 3, [1] * 3, [1, -1, 1], [1] * 3),
+        r"rate of axis 2: expected a positive .*\[rad/s\], got -1",
+    ),
+    (
+        lambda: r3.Trapezoid([0] * 3, [1] * 3, [1] * 3, [0, 1, 1]),
+        r"acceleration of axis 1: expected a positive .*\[rad/s\^2\], got 0",
+    ),
+    (
+        lambda: r3.Trapezoid([0] * 3, [1] * 3, [1] * 3, [1, 1, NAN]),
+        r"acceleration of axis 3: expected .*finite.*\[rad/s\^2\], got nan",
+    ),
+    (lambda: r3.Trapezoid([0] * 3, [1] * 3, [1] * 2, [1] * 3), r"rate: expected 3 values.*, got 2"),
+    (lambda: r3.Hold([0, 0]), r"angles: expected 3 or 6 angles \[rad\], got 2"),
+    (lambda: r3.Hold([0, NAN, 0]), r"angles of axis 2: expected .*finite.*\[rad\], got nan"),
+    (lambda: HOLD.angle(NAN), r"t: expected finite .*\[s\], got nan"),
+    # runs
+    (lambda: simulate(t_end=0.0), r"t_end: expected .*after .*0 s, got 0 s"),
+    (lambda: simulate(t_end=-1.0), r"t_end: expected .*after .*0 s, got -1 s"),
+    (lambda: simulate(t_end=NAN), r"t_end: expected .*finite.*\[s\], got nan"),
+    (lambda: simulate(t_end="1"), r"t_end: expected .*number.*\[s\], got '1'"),
+    (lambda: simulate(robot=3), r"robot: expected a Robot, got 3"),
+    (lambda: simulate(motion=[0] * 6), r"motion: expected a .*Hold, got \[0"),
+    (lambda: simulate(motion=None), r"motion: expected a motion .*, got None"),
+    (lambda: simulate(motion=r3.Hold([0] * 3)), r"motion: expected 6 axes for model 3, got 3"),
+    (
+        lambda: simulate(r3.Robot(model=2), r3.Hold([0, 0, 0, 0, 0.1, 0])),
+        r"motion: axis 5 is braked at 0 rad in model 2; expected exactly 0",
+    ),
+    (
+        lambda: simulate(r3.Robot(model=4), motion),
+        r"motion: axis 4 is braked at 0 rad in model 4; expected exactly 0",
+    ),
+    (lambda: simulate(rtol=0.0), r"rtol: expected .*1e-14 to 1e-2, got 0"),
+    (lambda: simulate(rtol=NAN), r"rtol: expected .*finite.*got nan"),
+    (lambda: simulate(method="euler"), r"method: expected 'erk' or 'bdf', got 'euler'"),
+    (lambda: simulate(start="wheel"), r"start: expected 'rotor', 'arm' or a state.*, got 'wheel'"),
+    (lambda: simulate(start=[0.0] * 60), r"start: expected a state vector of 66 values, got .*60"),
+    (
+        lambda: simulate(start=np.zeros((6, 11))),
+        r"start: expected a state vector of 66 values, got",
+    ),
+    (lambda: simulate(start=["a"] * 66), r"start: expected .*, got"),
+    (
+        lambda: simulate(start=[0.0] * 15 + [INF] + [0.0] * 50),
+        r"start: expected a finite rotor_rate of axis 1 \[rad/s\], got inf",
+    ),
+    (lambda: simulate(times=[-1.0]), r"times: expected .*0 to 0\.01 s, got -1 s"),
+    (lambda: simulate(times=[0.0, 0.02]), r"times: expected .*0 to 0\.01 s, got 0\.02 s"),
+    (lambda: simulate(times=[NAN]), r"times: expected finite .*\[s\], got nan"),
+    (lambda: simulate().at(0.02), r"times: expected .*0 to 0\.01 s, got 0\.02 s"),
+    (lambda: simulate().at([0.0, NAN]), r"times: expected finite .*\[s\], got nan"),
+    # step by step
+    (lambda: simulator().step(-1.0), r"dt: expected .*not negative, got -1 s"),
+    (lambda: simulator().step(INF), r"dt: expected .*finite.*\[s\], got inf"),
+    (lambda: simulator().step_to_event(t_end=-1.0), r"t_end: expected .*, got -1 s"),
+    (
+        lambda: r3.Simulator(r3.Robot(model=2, controller=None)).step_to_event(),
+        r"t_end: expected a time \[s\]",
+    ),
+    (lambda: r3.Simulator(robot), r"motion: expected a motion .*, got None"),
+    (lambda: set_torque([0.0] * 6), r"motor_torque: expected 3 values \[N m\].*, got .*6"),
+    (lambda: set_torque([0, NAN, 0]), r"motor_torque of axis 2: expected .*\[N m\], got nan"),
+    (lambda: set_torque([0.0] * 3, "continuous"), r"motor_torque: expected .*controller=None"),
+    # states and the arm alone
+    (lambda: robot.state_from([0] * 3), r"joint_angle: expected 6 values \[rad\].*, got .*3"),
+    (
+        lambda: robot.state_from([0] * 6, joint_rate=[0, 0, 0, 0, 0, NAN]),
+        r"joint_rate of axis 6: expected .*\[rad/s\], got nan",
+    ),
+    (
+        lambda: robot.state_from([0] * 6, rotor_angle=[0, 0, 0, 1, 0, 0]),
+        r"rotor_angle of axis 4: .*rigid, expected .*0 rad, got 1 rad",
+    ),
+    (lambda: robot.rest_state(HOLD, "wheel"), r"start: expected 'rotor', 'arm'.*, got 'wheel'"),
+    (
+        lambda: robot.forward_dynamics([0] * 6, [0] * 3, [0] * 6),
+        r"qd: expected 6 values \[rad/s\].*, got .*3",
+    ),
+    (
+        lambda: robot.inverse_dynamics([0] * 6, [0] * 6, [0, 0, 0, INF, 0, 0]),
+        r"qdd of axis 4: expected .*\[rad/s\^2\], got inf",
+    ),
+    (lambda: robot.mass_matrix(0.0), r"q: expected 6 values \[rad\].*, got .*\(\)"),
+    (
+        lambda: robot.forward_dynamics(np.zeros((4, 6)), np.zeros((5, 6)), [0] * 6),
+        r"expected shapes that fit .*q \(4, 6\), qd \(5, 6\), tau \(6,\)",
+    ),
+    # scenarios
+    (lambda: r3.Scenario.load("figur9"), r"no scenario 'figur9'.*did you mean 'figure9'"),
+]
+
+
+@pytest.mark.parametrize(
+    ("do", "message"), BAD, ids=[message.replace("\\", "") for _, message in BAD]
+)
+def test_a_mistake_is_refused_at_the_door(do, message):
+    with pytest.raises((ValueError, TypeError, AttributeError), match=f"^{message}"):
+        do()
+
+
+@pytest.mark.parametrize("name", ["motor_torqe", "command"])
+def test_a_simulator_refuses_to_be_given_what_it_does_not_have(name):
+    with pytest.raises(AttributeError):
+        setattr(simulator(), name, [0.0] * 6)
+
+
+def test_a_run_that_cannot_go_on_says_where_and_why():
+    # At 10^8 rad/s the couplings throw the light wrist back and forth without end.
+    start = robot.state_from([0.0] * 6, joint_rate=[1e8, 0, 0, 0, 0, 0])
+    with pytest.raises(r3.SimulationError, match=r"chattering: friction of axis \d") as caught:
+        r3.simulate(robot, HOLD, t_end=0.1, start=start)
+    error = caught.value
+    assert 0.0 < error.time < 0.1
+    assert error.state.shape == (66,)
+    assert {element: branch.shape for element, branch in error.branches.items()} == dict.fromkeys(
+        ELEMENTS, (6,)
+    )
+    assert error.reason in str(error)
+    assert error.result.time[-1] == error.result.t_end == error.time
+    assert len(error.result.events) > 0
+    again = pickle.loads(pickle.dumps(error))
+    assert (again.time, again.reason, str(again)) == (error.time, error.reason, str(error))
+    assert again.result.events == error.result.events
+
+
+def test_a_run_that_cannot_begin_has_a_result_of_one_instant():
+    start = robot.state_from([0.0] * 6, joint_rate=[1e100] * 6)
+    with pytest.raises(r3.SimulationError) as caught:
+        r3.simulate(robot, HOLD, t_end=0.1, start=start)
+    assert caught.value.time == 0.0
+    np.testing.assert_array_equal(caught.value.result.time, [0.0])
+    np.testing.assert_array_equal(caught.value.result.state, [caught.value.state])
+
+
+def test_a_simulator_that_cannot_go_on_stays_where_it_came_to():
+    sim = r3.Simulator(r3.Robot(model=2, controller=None))
+    sim.step(0.1)
+    before = sim.state
+    sim.motor_torque = [1e300] * 3
+    with pytest.raises(r3.SimulationError) as caught:
+        sim.step(0.1)
+    assert caught.value.time == sim.time == 0.1
+    np.testing.assert_array_equal(sim.state, before)
+    np.testing.assert_array_equal(caught.value.state, before)
+    sim.motor_torque = [1.0] * 3
+    assert sim.step(0.1) == []  # and can go on from there
+    assert sim.time == pytest.approx(0.2, rel=4 * EPS)
+
+
+# --- threads, interruption, silence -------------------------------------------------------------
+
+
+def test_two_threads_share_a_robot(result):
+    trapezoid = r3.Trapezoid(start=[0] * 6, end=[0.5] * 6, rate=[2.5] * 6, acceleration=[10] * 6)
+    alone = [result, r3.simulate(robot, trapezoid, t_end=1.0)]
+    jobs = [(motion, 1.5), (trapezoid, 1.0)] * 4
+    with ThreadPoolExecutor(max_workers=2) as threads:
+        results = list(threads.map(lambda job: r3.simulate(robot, *job), jobs))
+    for k, together in enumerate(results):
+        assert together.events == alone[k % 2].events
+        np.testing.assert_array_equal(together.state, alone[k % 2].state)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows sends Ctrl-C to whole consoles")
+@pytest.mark.parametrize("how", ["r3.simulate(robot, hold, t_end=1e4)", "sim.step(1e4)"])
+def test_ctrl_c_ends_a_long_run(how):
+    script = f"""
+import manutec_r3 as r3
+robot, hold = r3.Robot(model=3), r3.Hold([0.3, -0.5, 0.8, 0, 0, 0])
+sim = r3.Simulator(robot, hold)
+print("begins", flush=True)
+try:
+    {how}
+except KeyboardInterrupt:
+    print(f"interrupted; still alive at {{sim.time:g}} s")
+    sim.step(1e-3)
+"""
+    command = [sys.executable, "-c", script]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "begins\n"
+        time.sleep(1.0)  # it is under way, and has minutes to go
+        assert process.poll() is None
+        process.send_signal(signal.SIGINT)
+        said, _ = process.communicate(
+            timeout=20
+        )  # well within a second, unless the machine is busy
+    assert re.match("interrupted; still alive at", said)
+    assert process.returncode == 0
+
+
+def test_nothing_is_printed(capfd):
+    r3.simulate(robot, motion, t_end=0.2)
+    with pytest.raises(r3.SimulationError):
+        simulate(start=robot.state_from([0.0] * 6, joint_rate=[1e100] * 6))
+    assert capfd.readouterr() == ("", "")
