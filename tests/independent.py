@@ -1,17 +1,19 @@
 """Independent reference implementation of the Manutec r3 models 1 to 4: a test oracle.
 
-Written from the equations of Franke and Otter 1993 (*The Manutec r3 Benchmark Models for the Dynamic Simulation of
-Robots*) as restated in the project specification ("spec. N" cites its section N), with other methods than the fast core:
+Written from the equations of Franke and Otter 1993 (*The Manutec r3 Benchmark Models for the
+Dynamic Simulation of Robots*) as restated in the project specification ("spec. N" cites its section
+N), with other methods than the fast core:
 
-* rigid bodies by explicit geometric Jacobians and the projected Newton-Euler equations in world coordinates;
+* rigid bodies by explicit geometric Jacobians and the projected Newton-Euler equations in world
+  coordinates;
 * rotors as bodies that spin in the arm which carries them, minus the same rotors frozen;
 * stiction of rigid gears by trying all combinations of sticking and sliding;
-* integration by `scipy.integrate.DOP853` with short steps, indicators watched inside each step, and every event located
-  by integrating afresh to the root.
+* integration by `scipy.integrate.DOP853` with short steps, indicators watched inside each step, and
+  every event located by integrating afresh to the root.
 
-It is slow (about half a minute for a second of model 3) and knows the default options only: continuous controller,
-exact stiction, parallel gear damping, full rotor coupling in models 1 and 2, simplified on axes 1 to 3 of models 3 and 4,
-lumped arm 3 in models 2 and 4.
+It is slow (about half a minute for a second of model 3) and knows the default options only:
+continuous controller, exact stiction, parallel gear damping, full rotor coupling in models 1 and 2,
+simplified on axes 1 to 3 of models 3 and 4, lumped arm 3 in models 2 and 4.
 
     motion = Quintic([0] * 6, [1.0, 1.0, 0.6, -0.2, -0.15, -0.1], 1.2)
     run = simulate(IndependentRobot(3, load_mass=15.0), motion, 1.5)
@@ -26,8 +28,9 @@ from scipy.optimize import brentq
 
 GRAVITY = 9.81  # spec. 2: along -z of the world
 
-# Table 3 (spec. 3): axis, offset from the preceding joint, mass, centre of mass, (I11, I22, I33, I13) about that centre.
-# Arm 1 is known by its I33 only, arm 6 has neither mass nor inertia of its own (only the rotor and the load count there).
+# Table 3 (spec. 3): axis, offset from the preceding joint, mass, centre of mass, (I11, I22, I33,
+# I13) about that centre. Arm 1 is known by its I33 only, arm 6 has neither mass nor inertia of its
+# own (only the rotor and the load count there).
 ARMS = (
     ("z", (0.0, 0.0, 0.0), 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 1.16, 0.0)),
     ("x", (0.0, 0.0, 0.0), 56.5, (0.172, 0.0, 0.205), (2.58, 2.73, 0.64, -0.46)),
@@ -36,7 +39,8 @@ ARMS = (
     ("x", (0.0, 0.0, 0.73), 5.2, (0.0, 0.0, 0.023), (0.0125, 0.0153, 0.0081, 0.0)),
     ("z", (0.0, 0.0, 0.0), 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)),
 )
-# Arm 3 of models 2 and 4, joints 4 to 6 blocked (spec. 3); the load is counted from H5, 0.73 m above joint 3.
+# Arm 3 of models 2 and 4, joints 4 to 6 blocked (spec. 3); the load is counted from H5, 0.73 m
+# above joint 3.
 LUMPED_ARM_3 = ("x", (0.0, 0.0, 0.5), 60.3, (0.028, 0.0, 0.202), (5.41, 5.60, 0.39, 0.33))
 H5_ABOVE_JOINT_3 = np.array([0.0, 0.0, 0.73])
 UNIT = {"x": np.array([1.0, 0.0, 0.0]), "z": np.array([0.0, 0.0, 1.0])}
@@ -53,7 +57,8 @@ D_I = np.array([0.6, 0.6, 0.6, 0.55, 0.55, 0.27])
 DEAD_ZONE = np.array([0.094, 0.094, 0.094, 0.022, 0.096, 0.044])
 TORQUE_LIMIT = np.full(6, 9.0)
 
-# Table 2 (spec. 5): elastic gears of axes 1 to 3, friction of all axes as points (rotor rate, torque)
+# Table 2 (spec. 5): elastic gears of axes 1 to 3, friction of all axes as points (rotor rate,
+# torque)
 BACKLASH = np.array([0.01, 0.06, 0.0])
 STIFFNESS = np.array([43.0, 8.0, 58.0])
 DAMPING = np.array([0.005, 0.01, 0.04])
@@ -68,21 +73,24 @@ FRICTION_POINTS = (
 )
 
 CREEP_RATE, CREEP_ARMED = 1e-9, 1e-8  # rad/s, spec. 8: axes 1 to 3
-ZERO_TORQUE = 1e-12  # N m, spec. 4: below it the start is exactly in the middle of dead zone and backlash
+# N m, spec. 4: below it the start is exactly in the middle of dead zone and backlash.
+ZERO_TORQUE = 1e-12
 ELEMENT_ORDER = {"dead_zone": 0, "torque_limit": 1, "backlash": 2, "friction": 3}
+# rotor_*: elastic gears (axes 1 to 3 of models 3 and 4) only
 STATE_GROUPS = (
-    "joint_angle", "joint_rate", "rotor_angle", "rotor_rate",  # rotor_*: elastic gears (axes 1 to 3 of models 3, 4) only
+    "joint_angle", "joint_rate", "rotor_angle", "rotor_rate",
     "tachogenerator_1", "tachogenerator_2", "tachogenerator_3", "filter", "controller", "voltage",
     "pt2_torque", "pt2_torque_rate",
 )  # fmt: skip
-NOMINAL = dict(zip(STATE_GROUPS, (1.0, 1.0, 1.0, 100.0, 1.0, 1.0, 2e3, 1.0, 1.0, 1.0, 1.0, 5e3)))
+NOMINAL = dict.fromkeys(STATE_GROUPS, 1.0)
+NOMINAL.update(rotor_rate=100.0, tachogenerator_3=2e3, pt2_torque_rate=5e3)
 
 
-# --- motions ----------------------------------------------------------------------------------------------------------
+# --- motions --------------------------------------------------------------------------------------
 
 
 class Motion:
-    """A reference motion along a straight line in joint space, `start + (end - start) s(t)`, smooth between its knots.
+    """A straight line in joint space, `start + (end - start) s(t)`, smooth between its knots.
 
     Attributes
     ----------
@@ -95,7 +103,7 @@ class Motion:
         self.knots = tuple(float(t) for t in knots)
 
     def path(self, t, segment):
-        """Path parameter `s` and its rate `s'` on one segment, whose formula is continued beyond its knots."""
+        """`s` and `s'` on one segment, whose formula is continued beyond its knots."""
         raise NotImplementedError
 
     def segment(self, t):
@@ -122,7 +130,7 @@ class Motion:
 
 
 class Quintic(Motion):
-    """Rest to rest with zero acceleration at both ends: `s = 10 z^3 - 15 z^4 + 6 z^5`, `z = t / duration`."""
+    """Rest to rest, zero acceleration at both ends: `s = 10 z^3 - 15 z^4 + 6 z^5`."""
 
     def __init__(self, start, end, duration):
         super().__init__(start, end, (0.0, duration))
@@ -136,7 +144,7 @@ class Quintic(Motion):
 
 
 class Trapezoid(Motion):
-    """Synchronised trapezoid of rates (variant specification, "Reference motion"); triangular if the top rate is not met.
+    """Synchronised trapezoid of rates; triangular if the top rate is not met.
 
     Parameters
     ----------
@@ -182,7 +190,7 @@ class Hold(Motion):
         return 0.0, 0.0
 
 
-# --- the arm ----------------------------------------------------------------------------------------------------------
+# --- the arm --------------------------------------------------------------------------------------
 
 
 def cross(a, b):
@@ -208,12 +216,14 @@ class IndependentRobot:
     load_mass : float
         Point mass of the load [kg].
     load_position : array_like
-        Its place in the frame of arm 6 [m]; in models 2 and 4 that frame is at (0, 0, 0.73) in arm 3.
+        Its place in the frame of arm 6 [m]; in models 2 and 4 that frame is at (0, 0, 0.73) in arm
+        3.
 
     Attributes
     ----------
     n_axes, n_elastic, n_states : int
-        Moving axes; leading axes with an elastic gear, whose rotors have states of their own; continuous states.
+        Moving axes; leading axes with an elastic gear, whose rotors have states of their own;
+        continuous states.
     """
 
     def __init__(self, model, load_mass=0.0, load_position=(0.0, 0.0, 0.25)):
@@ -235,14 +245,17 @@ class IndependentRobot:
         self.inertia = np.zeros((n + 1, 3, 3))
         for body, (i11, i22, i33, i13) in enumerate(arm[4] for arm in arms):
             self.inertia[body] = [[i11, 0.0, i13], [0.0, i22, 0.0], [i13, 0.0, i33]]
-        self.moves = (np.arange(n)[None, :] <= self.carrier[:, None]).astype(float)  # body b moves with joint i
+        # body b moves with joint i
+        self.moves = (np.arange(n)[None, :] <= self.carrier[:, None]).astype(float)
 
         self.ratio = GEAR_RATIO[:n]
         self.rotor_inertia = ROTOR_INERTIA[:n]
         self.rotor_axis = np.array([UNIT[name] for name in ROTOR_AXIS[:n]])
-        # rotors that are part of the multibody system with full coupling (spec. 6): all, or those of rigid real gears
+        # rotors that are part of the multibody system with full coupling (spec. 6): all, or those
+        # of rigid real gears
         self.coupled = np.arange(self.n_elastic, n)
-        self.rotor_moves = (np.arange(n)[None, :] < self.coupled[:, None]).astype(float)  # the arm that carries rotor j
+        # the arm that carries rotor j moves with joint i
+        self.rotor_moves = (np.arange(n)[None, :] < self.coupled[:, None]).astype(float)
 
         self.slices, at = {}, 0
         for name in STATE_GROUPS:
@@ -253,7 +266,7 @@ class IndependentRobot:
     # -- projected Newton-Euler equations in world coordinates
 
     def _poses(self, q):
-        """World orientation of base and arms (n+1, 3, 3), joint origins (n, 3), joint axes (n, 3)."""
+        """World orientation of base and arms (n+1, 3, 3), joint origins and axes (n, 3)."""
         turn, origin = [np.eye(3)], [np.zeros(3)]
         for j in range(self.n_axes):
             origin.append(origin[-1] + turn[-1] @ self.offset[j])
@@ -262,9 +275,10 @@ class IndependentRobot:
         return turn, np.array(origin[1:]), (turn[:-1] @ self.axis[:, :, None])[:, :, 0]
 
     def _arm_equations(self, q, qd):
-        """`M`, `bias` of `M qdd + bias = tau`, with the coupled rotors on ideal gears, without the other rotors.
+        """`M`, `bias` of `M qdd + bias = tau` with the coupled rotors, without the other rotors.
 
-        `M = sum J^T I J` and `bias = sum J^T (rate of change of momentum at qdd = 0, less gravity)` over the bodies.
+        `M = sum J^T I J` and `bias = sum J^T (rate of change of momentum at qdd = 0, less gravity)`
+        over the bodies.
         """
         turn, origin, axis = self._poses(q)
         n = self.n_axes
@@ -283,7 +297,9 @@ class IndependentRobot:
         arm_of_centre = (body_turn @ self.centre[:, :, None])[:, :, 0]
         centre = origin[self.carrier] + arm_of_centre
         inertia = body_turn @ self.inertia @ body_turn.transpose(0, 2, 1)
-        jv = cross(axis[None, :, :], centre[:, None, :] - origin[None, :, :]) * self.moves[:, :, None]  # transposed
+        # Jacobians, transposed
+        lever = centre[:, None, :] - origin[None, :, :]
+        jv = cross(axis[None, :, :], lever) * self.moves[:, :, None]
         jw = axis[None, :, :] * self.moves[:, :, None]
         bw, balpha = w[1:][self.carrier], alpha[1:][self.carrier]
         acceleration = origin_acceleration[self.carrier] + cross(balpha, arm_of_centre)
@@ -291,11 +307,15 @@ class IndependentRobot:
         force = self.mass[:, None] * (acceleration + GRAVITY * UNIT["z"])
         momentum = (inertia @ bw[:, :, None])[:, :, 0]
         torque = (inertia @ balpha[:, :, None])[:, :, 0] + cross(bw, momentum)
-        mass = ((jv * self.mass[:, None, None]) @ jv.transpose(0, 2, 1) + jw @ inertia @ jw.transpose(0, 2, 1)).sum(0)
+        mass = (
+            (jv * self.mass[:, None, None]) @ jv.transpose(0, 2, 1)
+            + jw @ inertia @ jw.transpose(0, 2, 1)
+        ).sum(0)
         bias = (jv @ force[:, :, None] + jw @ torque[:, :, None]).sum(0)[:, 0]
 
-        # Rotors (spec. 6), carried by the preceding arm: spinning minus frozen, as the arms contain them frozen.
-        # Only the inertia about the rotor's own axis matters: the part across it is the same in both.
+        # Rotors (spec. 6), carried by the preceding arm: spinning minus frozen, as the arms contain
+        # them frozen. Only the inertia about the rotor's own axis matters: the part across it is
+        # the same in both.
         if self.coupled.size:
             k = np.arange(self.coupled.size)
             along = (turn[self.coupled] @ self.rotor_axis[self.coupled][:, :, None])[:, :, 0]
@@ -307,39 +327,75 @@ class IndependentRobot:
             for sign, jacobian in ((1.0, j_spinning), (-1.0, j_frozen)):
                 axial = (jacobian @ along[:, :, None])[:, :, 0]
                 mass = mass + sign * (axial * inertia[:, None]).T @ axial
-                change = swing * (axial @ qd)[:, None] + along * (along * alpha[self.coupled]).sum(1)[:, None]
-                bias = bias + sign * (jacobian @ (inertia[:, None] * change)[:, :, None]).sum(0)[:, 0]
+                change = (
+                    swing * (axial @ qd)[:, None]
+                    + along * (along * alpha[self.coupled]).sum(1)[:, None]
+                )
+                bias = (
+                    bias + sign * (jacobian @ (inertia[:, None] * change)[:, :, None]).sum(0)[:, 0]
+                )
         return mass, bias
 
     def _free_rotors(self):
-        """Joint-side inertia of the rotors that are not coupled (ideal gears, spec. 6 "simplified")."""
+        """Joint-side inertia of the rotors that are not coupled (spec. 6 "simplified")."""
         inertia = self.ratio**2 * self.rotor_inertia
         inertia[self.coupled] = 0.0
         return np.diag(inertia)
 
+    def potential_energy(self, q):
+        """Energy of gravity [J], zero at the height of joint 2."""
+        turn, origin, _ = self._poses(np.asarray(q, float))
+        centre = origin[self.carrier] + np.squeeze(
+            turn[1:][self.carrier] @ self.centre[:, :, None], axis=2
+        )
+        return GRAVITY * self.mass @ centre[:, 2]
+
+    def kinetic_energy(self, q, qd, elastic_rotor_rate=()):
+        """Kinetic energy of arms, load and rotors [J]; rotors of elastic gears turn alone."""
+        mass = self._arm_equations(np.asarray(q, float), np.zeros(self.n_axes))[0]
+        rotors = self.rotor_inertia[: self.n_elastic] @ np.square(elastic_rotor_rate)
+        return (qd @ mass @ qd + rotors) / 2.0
+
     def mass_matrix(self, q):
         """Joint-space mass matrix (n_axes, n_axes) with ideal gears, rotors included [kg m^2]."""
-        return self._arm_equations(np.asarray(q, float), np.zeros(self.n_axes))[0] + self._free_rotors()
+        return (
+            self._arm_equations(np.asarray(q, float), np.zeros(self.n_axes))[0]
+            + self._free_rotors()
+        )
 
     def bias(self, q, qd):
-        """Joint torques of `M qdd + bias = tau` [N m]: centrifugal, Coriolis, gyroscopic and gravity terms."""
+        """Joint torques [N m] at `qdd = 0`: centrifugal, Coriolis, gyroscopic and gravity terms."""
         return self._arm_equations(np.asarray(q, float), np.asarray(qd, float))[1]
 
     def forward_dynamics(self, q, qd, tau):
-        """Joint accelerations [rad/s^2] under the joint torques `tau` [N m], ideal gears, no friction."""
+        """Joint accelerations [rad/s^2] under joint torques [N m], ideal gears, no friction."""
         mass, bias = self._arm_equations(np.asarray(q, float), np.asarray(qd, float))
         return np.linalg.solve(mass + self._free_rotors(), np.asarray(tau, float) - bias)
 
     # -- states
 
-    def state_from(self, joint_angle, joint_rate=None, rotor_angle=None, rotor_rate=None, motor_torque=None, **others):
-        """State vector; what is not given is zero, except rotors, which follow the joints (`p` times the joint).
+    def state_from(
+        self,
+        joint_angle,
+        joint_rate=None,
+        rotor_angle=None,
+        rotor_rate=None,
+        motor_torque=None,
+        **others,
+    ):
+        """State vector; what is not given is zero, except rotors: `p` times the joint.
 
-        `motor_torque` sets the state `pt2_torque` and nothing else; `others` names any of `STATE_GROUPS`.
+        `motor_torque` sets the state `pt2_torque` and nothing else; `others` names any of
+        `STATE_GROUPS`.
         """
         x = np.zeros(self.n_states)
         rate = np.zeros(self.n_axes) if joint_rate is None else np.asarray(joint_rate, float)
-        values = {"joint_angle": joint_angle, "joint_rate": rate, "pt2_torque": motor_torque, **others}
+        values = {
+            "joint_angle": joint_angle,
+            "joint_rate": rate,
+            "pt2_torque": motor_torque,
+            **others,
+        }
         values["rotor_angle"] = self.ratio * joint_angle if rotor_angle is None else rotor_angle
         values["rotor_rate"] = self.ratio * rate if rotor_rate is None else rotor_rate
         for name, value in values.items():
@@ -349,7 +405,7 @@ class IndependentRobot:
         return x
 
     def rest_state(self, motion):
-        """Default start (spec. 4, "Start at rest"): rotors on the reference, friction torques zero, motors hold the arms."""
+        """Default start (spec. 4): rotors on the reference, no friction, motors hold the arms."""
         reference = motion.reference(0.0, motion.segment(0.0))[0][: self.n_axes]
         e, q, rest = self.n_elastic, reference.copy(), np.zeros(self.n_axes)
         for _ in range(200):
@@ -365,11 +421,15 @@ class IndependentRobot:
             raise ValueError("the motors cannot hold the robot at the start of the motion")
         voltage = torque / K_M[: self.n_axes] + DEAD_ZONE[: self.n_axes] * np.sign(torque)
         return self.state_from(
-            sagged, rotor_angle=self.ratio * reference, motor_torque=torque, controller=voltage, voltage=voltage
+            sagged,
+            rotor_angle=self.ratio * reference,
+            motor_torque=torque,
+            controller=voltage,
+            voltage=voltage,
         )
 
 
-# --- the hybrid system ------------------------------------------------------------------------------------------------
+# --- the hybrid system ----------------------------------------------------------------------------
 
 
 class Run:
@@ -388,14 +448,15 @@ class Run:
     state : ndarray (n, n_states)
         Groups and order of `STATE_GROUPS`.
     events : list of (time, axis, element, before, after)
-        Axis 1 to 6 (0: whole robot); elements 'dead_zone', 'torque_limit', 'backlash', 'friction', 'reference'.
+        Axis 1 to 6 (0: whole robot); elements 'dead_zone', 'torque_limit', 'backlash', 'friction',
+        'reference'.
     evaluations : int
         Number of evaluations of the equations.
     """
 
 
 class Hybrid:
-    """Equations of a robot that follows a motion, with branches that only events change (spec. 8)."""
+    """A robot that follows a motion, with branches that only events change (spec. 8)."""
 
     def __init__(self, robot, motion):
         self.robot, self.motion = robot, motion
@@ -417,7 +478,8 @@ class Hybrid:
         n, e = self.n, self.e
         self.in_contact = np.where(BACKLASH[:e] > 0.0, self.backlash[:e] != 0, True).astype(float)
         self.sliding = self.friction != 0
-        # friction on its present straight piece: rM = s (offset + slope |rq'|), |rq'| = s rq' (spec. 5.1)
+        # friction on its present straight piece: rM = s (offset + slope |rq'|), |rq'| = s rq'
+        # (spec. 5.1)
         self.offset, self.slope = np.zeros(n), np.zeros(n)
         self.lower, self.upper = np.full(n, -np.inf), np.full(n, np.inf)
         if self.robot.real_gears:
@@ -430,7 +492,11 @@ class Hybrid:
                     self.lower[i] = w0
                 if k + 2 < len(points):
                     self.upper[i] = w1
-        self.held = np.flatnonzero(~self.sliding & (np.arange(n) >= e)) if self.robot.real_gears else np.zeros(0, int)
+        self.held = (
+            np.flatnonzero(~self.sliding & (np.arange(n) >= e))
+            if self.robot.real_gears
+            else np.zeros(0, int)
+        )
         self.free = np.setdiff1d(np.arange(n), self.held)
 
     def split(self, x):
@@ -438,7 +504,7 @@ class Hybrid:
         return {name: x[..., where] for name, where in self.robot.slices.items()}
 
     def _rotor(self, z):
-        """Angles and rates of all rotors: states of their own on elastic gears, else `p` times the joint (spec. 2)."""
+        """Angles and rates of all rotors: states of their own, or rigid gears (spec. 2)."""
         angle, rate = self.p * z["joint_angle"], self.p * z["joint_rate"]
         angle[..., : self.e], rate[..., : self.e] = z["rotor_angle"], z["rotor_rate"]
         return angle, rate
@@ -449,33 +515,43 @@ class Hybrid:
 
     def _deflection(self, z):
         p, e = self.p[: self.e], self.e
-        return z["rotor_angle"] - p * z["joint_angle"][..., :e], z["rotor_rate"] - p * z["joint_rate"][..., :e]
+        return z["rotor_angle"] - p * z["joint_angle"][..., :e], z["rotor_rate"] - p * z[
+            "joint_rate"
+        ][..., :e]
 
     def _gear_torque(self, z):
         """`tau` of elastic gears (spec. 5.2), damper parallel to the spring with its backlash."""
         deflection, rate = self._deflection(z)
         e = self.e
-        return STIFFNESS[:e] * self.in_contact * (deflection - self.backlash[:e] * BACKLASH[:e]) + DAMPING[:e] * rate
+        return (
+            STIFFNESS[:e] * self.in_contact * (deflection - self.backlash[:e] * BACKLASH[:e])
+            + DAMPING[:e] * rate
+        )
 
     def mechanics(self, z, arm=None):
         """Accelerations of joints and elastic rotors, `rF` and `rM` with the present branches.
 
-        Sticking joints (spec. 5.3): the remaining accelerations are solved for with theirs zero, and
-        `rM_i = rF_i - aL_i / p_i` with `aL_i = sum_j M_ij aq''_j - h_i`.
+        Sticking joints (spec. 5.3): the remaining accelerations are solved for with theirs zero,
+        and `rM_i = rF_i - aL_i / p_i` with `aL_i = sum_j M_ij aq''_j - h_i`.
         """
         e, p = self.e, self.p
-        rotor_angle, rotor_rate = self._rotor(z)
+        rotor_rate = self._rotor(z)[1]
         motor = self._motor_torque(z)
-        friction = self.friction * self.offset + self.slope * rotor_rate * self.sliding  # s (o + k s w)
+        # s (o + k s w)
+        friction = self.friction * self.offset + self.slope * rotor_rate * self.sliding
         joint_torque = p * (motor - friction)
         rotor_acceleration = np.zeros(e)
         if e:
             gear = self._gear_torque(z)
             drive = motor[:e] - gear
             friction[:e] = np.where(self.sliding[:e], friction[:e], drive)
-            rotor_acceleration = np.where(self.sliding[:e], (drive - friction[:e]) / self.robot.rotor_inertia[:e], 0.0)
+            rotor_acceleration = np.where(
+                self.sliding[:e], (drive - friction[:e]) / self.robot.rotor_inertia[:e], 0.0
+            )
             joint_torque[:e] = p[:e] * gear
-        mass, bias = self.robot._arm_equations(z["joint_angle"], z["joint_rate"]) if arm is None else arm
+        mass, bias = (
+            self.robot._arm_equations(z["joint_angle"], z["joint_rate"]) if arm is None else arm
+        )
         acceleration = np.zeros(self.n)
         if self.held.size:
             f, s = self.free, self.held
@@ -513,20 +589,24 @@ class Hybrid:
         v = np.where(self.dead_zone == 0, 0.0, z["voltage"] - self.dead_zone * self.a)
         m, m_rate = z["pt2_torque"], z["pt2_torque_rate"]
         d["pt2_torque"][:] = m_rate
-        d["pt2_torque_rate"][:] = self.w_i**2 * (self.k_m * v - m) - 2.0 * self.d_i * self.w_i * m_rate
+        d["pt2_torque_rate"][:] = (
+            self.w_i**2 * (self.k_m * v - m) - 2.0 * self.d_i * self.w_i * m_rate
+        )
         return out
 
     # -- indicators (spec. 7, 8): positive inside the domain of the present branch
 
     def watch(self, points):
-        """Indicators at consecutive states (k, n_states), the first of them the beginning of a step.
+        """Indicators at consecutive states (k, n_states), the first the beginning of a step.
 
         Returns
         -------
         values : ndarray (k, m)
-            Positive inside the domain; the constant 1 where an indicator means nothing in the present branch.
+            Positive inside the domain; the constant 1 where an indicator means nothing in the
+            present branch.
         labels : list of (element, axis index, next branch)
-            What happens when the column leaves its domain; 'creep', 'rate', 'limit' and 'kink' belong to friction.
+            What happens when the column leaves its domain; 'creep', 'rate', 'limit' and 'kink'
+            belong to friction.
         armed : ndarray (n_axes,)
             Creep thresholds armed at the end of the points.
         """
@@ -582,10 +662,12 @@ class Hybrid:
     # -- decisions
 
     def start(self, x):
-        """Branches of a given state, decided by physics; a value exactly on an edge goes where its rate points."""
+        """Decide branches by physics; a value exactly on an edge goes where its rate points."""
 
         def side(value, rate, half):
-            outside = (np.abs(value) > half) | ((np.abs(value) == half) & (np.sign(value) * rate > 0.0))
+            outside = (np.abs(value) > half) | (
+                (np.abs(value) == half) & (np.sign(value) * rate > 0.0)
+            )
             return np.where(outside, np.sign(value), 0.0).astype(int)
 
         d, z = self.split(self.derivatives(0.0, x)), self.split(x)
@@ -593,10 +675,13 @@ class Hybrid:
         self.torque_limit = side(z["pt2_torque"], z["pt2_torque_rate"], self.b)
         if self.robot.real_gears:
             e = self.e
-            self.backlash[:e] = np.where(BACKLASH[:e] > 0.0, side(*self._deflection(z), BACKLASH[:e]), 0)
+            self.backlash[:e] = np.where(
+                BACKLASH[:e] > 0.0, side(*self._deflection(z), BACKLASH[:e]), 0
+            )
             rate = self._rotor(z)[1]
             self.friction = np.sign(rate).astype(int)
-            self.piece = np.array([sum(abs(w) >= q[0] for q in pts[1:-1]) for w, pts in zip(rate, FRICTION_POINTS)])
+            for i, w in enumerate(rate):
+                self.piece[i] = sum(abs(w) >= point[0] for point in FRICTION_POINTS[i][1:-1])
             self.armed = np.abs(rate) > CREEP_ARMED
             self._freeze()
             self._decide_elastic(x, np.flatnonzero(rate[:e] == 0.0), ())
@@ -604,7 +689,7 @@ class Hybrid:
         self._freeze()
 
     def _decide_elastic(self, x, at_zero, released):
-        """Axes 1 to 3 at zero rotor rate (spec. 5.2): stick within the limit, unless that has just been reached."""
+        """Axes 1 to 3 at zero rotor rate (spec. 5.2): stick within the limit, unless released."""
         z = self.split(x)
         drive = self._motor_torque(z)[: self.e] - self._gear_torque(z)
         for i in (*at_zero, *released):
@@ -613,7 +698,7 @@ class Hybrid:
             self.piece[i], self.armed[i] = 0, False
 
     def _decide_rigid(self, x, released, stuck):
-        """Axes 4 to 6 at zero rate: all combinations, the rule of spec. 5.3 chooses among the consistent ones."""
+        """Axes 4 to 6 at zero rate: the rule of spec. 5.3 among all consistent combinations."""
         z = self.split(x)
         zero = [i for i in range(self.e, self.n) if z["joint_rate"][i] == 0.0]
         if not zero:
@@ -622,7 +707,7 @@ class Hybrid:
         self.piece[zero] = 0
         best = None
         for combination in product((0, -1, 1), repeat=len(zero)):  # the order of the last tie-break
-            if any(s == 0 and i in released for i, s in zip(zero, combination)):
+            if any(s == 0 and i in released for i, s in zip(zero, combination, strict=True)):
                 continue
             self.friction[zero] = combination
             self._freeze()
@@ -630,10 +715,10 @@ class Hybrid:
             rotor_acceleration = self.p * acceleration
             consistent = all(
                 abs(friction[i]) <= self.limit[i] if s == 0 else s * rotor_acceleration[i] > 0.0
-                for i, s in zip(zero, combination)
+                for i, s in zip(zero, combination, strict=True)
             )
             if consistent:
-                kept = sum(s == 0 and stuck[i] for i, s in zip(zero, combination))
+                kept = sum(s == 0 and stuck[i] for i, s in zip(zero, combination, strict=True))
                 rank = (combination.count(0), kept)
                 if best is None or rank > best[0]:
                     best = (rank, combination)
@@ -643,7 +728,7 @@ class Hybrid:
         self._freeze()
 
     def handle(self, t, x, fired, log):
-        """Switch the branches for the labels that fired at `t`; `x` is changed where an axis comes to rest."""
+        """Switch the branches for the labels that fired at `t`; an axis may come to rest in `x`."""
         names = ("dead_zone", "torque_limit", "backlash", "friction")
         before = {name: getattr(self, name).copy() for name in names}
         z = self.split(x)
@@ -683,17 +768,25 @@ class Hybrid:
         acceleration, _, motor, friction = self.mechanics(z)
         angle, rate = self._rotor(z)
         return {
-            "joint_angle": z["joint_angle"], "joint_rate": z["joint_rate"], "joint_acceleration": acceleration,
-            "rotor_angle": angle, "rotor_rate": rate, "motor_torque": motor, "friction_torque": friction,
-            "voltage": z["voltage"], "state": x,
+            "joint_angle": z["joint_angle"],
+            "joint_rate": z["joint_rate"],
+            "joint_acceleration": acceleration,
+            "rotor_angle": angle,
+            "rotor_rate": rate,
+            "motor_torque": motor,
+            "friction_torque": friction,
+            "voltage": z["voltage"],
+            "state": x,
             "control_error": self.motion.reference(t, self.segment)[0][: self.n] - z["joint_angle"],
-        }  # fmt: skip
+        }
 
 
-# --- simulation -------------------------------------------------------------------------------------------------------
+# --- simulation -----------------------------------------------------------------------------------
 
 
-def simulate(robot, motion, t_end, rtol=1e-10, times=None, start=None, max_step=2e-4, inner_points=5):
+def simulate(
+    robot, motion, t_end, rtol=1e-10, times=None, start=None, max_step=2e-4, inner_points=5
+):
     """Simulate a robot that follows a motion.
 
     Parameters
@@ -712,7 +805,8 @@ def simulate(robot, motion, t_end, rtol=1e-10, times=None, start=None, max_step=
     max_step : float
         Longest step of the integrator [s].
     inner_points : int
-        Number of equidistant points in each step, its end among them, at which the indicators are watched.
+        Number of equidistant points in each step, its end among them, at which the indicators are
+        watched.
 
     Returns
     -------
@@ -721,11 +815,13 @@ def simulate(robot, motion, t_end, rtol=1e-10, times=None, start=None, max_step=
     system = Hybrid(robot, motion)
     x = robot.rest_state(motion) if start is None else np.array(start, float)
     system.start(x)
-    nominal = np.concatenate([np.full(w.stop - w.start, NOMINAL[name]) for name, w in robot.slices.items()])
+    nominal = np.concatenate(
+        [np.full(w.stop - w.start, NOMINAL[name]) for name, w in robot.slices.items()]
+    )
     options = {"rtol": 3e-14, "atol": rtol * nominal, "max_step": max_step}
 
     def advance(t0, x0, t1):
-        """State at `t1` by integrating afresh from the beginning of a step: not limited by an interpolant."""
+        """State at `t1`, integrated afresh from the beginning of a step: no interpolant."""
         if t1 <= t0:
             return x0.copy()
         solver = DOP853(system.derivatives, t0, x0, t1, first_step=t1 - t0, **options)
@@ -737,7 +833,7 @@ def simulate(robot, motion, t_end, rtol=1e-10, times=None, start=None, max_step=
     recorded, pending = [], list(times)
 
     def record(t0, x0, t1, including_end=False):
-        """Requested instants in [t0, t1): an event's own instant is recorded with the branches after it."""
+        """Requested instants in [t0, t1): at an event the branches after it count."""
         while pending and (pending[0] < t1 or (including_end and pending[0] <= t1)):
             t = pending.pop(0)
             recorded.append(system.signals(t, advance(t0, x0, t)))
@@ -755,7 +851,9 @@ def simulate(robot, motion, t_end, rtol=1e-10, times=None, start=None, max_step=
             if solver.status == "failed":
                 raise RuntimeError(f"integration failed at t = {t0}")
             t, x = solver.t, solver.y.copy()
-            found = _first_events(system, t0, x0, t, x, solver.dense_output(), advance, inner_points)
+            found = _first_events(
+                system, t0, x0, t, x, solver.dense_output(), advance, inner_points
+            )
             if found is None:
                 record(t0, x0, t)
             else:
@@ -785,7 +883,7 @@ def simulate(robot, motion, t_end, rtol=1e-10, times=None, start=None, max_step=
 
 
 def _first_events(system, t0, x0, t1, x1, dense, advance, inner_points):
-    """First instant in (t0, t1] at which an indicator leaves its domain, with the labels of all that do so there.
+    """First instant in (t0, t1] at which indicators leave their domains, and their labels.
 
     Returns None if there is none. The instant is a root along a fresh integration from `t0`.
     """
@@ -809,14 +907,16 @@ def _first_events(system, t0, x0, t1, x1, dense, advance, inner_points):
 
         label = labels[column]
 
-        def value(t, x=None, column=column):
+        def value(t, x=None, k=k, column=column):
             x = advance(t0, x0, t) if x is None else x
             return system.watch(np.vstack((points[:k], x)))[0][-1, column]
 
         low, high = grid[k - 1], grid[k]
         if values[k - 1, column] <= 0.0:
-            # just switched here, and out again within one piece of the step: look for the short stay inside
-            inside = [u for u in low + (high - low) * 2.0 ** -np.arange(1.0, 40.0) if value(u, dense(u)) > 0.0]
+            # just switched here, and out again within one piece of the step: look for the short
+            # stay inside
+            nearer = low + (high - low) * 2.0 ** -np.arange(1.0, 40.0)
+            inside = [u for u in nearer if value(u, dense(u)) > 0.0]
             if not inside:
                 roots.append((t0, label))
                 continue
@@ -824,7 +924,7 @@ def _first_events(system, t0, x0, t1, x1, dense, advance, inner_points):
         if value(low) <= 0.0:
             roots.append((low, label))
         elif value(high) > 0.0:
-            roots.append((high, label))  # interpolant and integration disagree by round-off at the end of the piece
+            roots.append((high, label))  # interpolant and integration disagree by round-off
         else:
             roots.append((brentq(value, low, high, xtol=1e-18, rtol=8.9e-16), label))
     t = min(root for root, _ in roots)

@@ -27,11 +27,11 @@ robot::Start start_named(const std::string& name) {
                               "'");
 }
 
-// Groups of states as tuples (name, unit, nominal value, first, size).
+// Groups of states as tuples (name, unit, nominal values, first, size).
 py::list state_groups(const Robot& robot) {
   py::list groups;
   for (const robot::StateGroup& group : robot.states()) {
-    groups.append(py::make_tuple(group.name, group.unit, group.nominal, group.first, group.size));
+    groups.append(py::make_tuple(group.name, group.unit, group.nominals, group.first, group.size));
   }
   return groups;
 }

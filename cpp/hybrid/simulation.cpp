@@ -83,7 +83,8 @@ void Simulation::advance(double target, Stop stop, Target at_target,
 }
 
 void Simulation::change_input(const std::function<void()>& set) {
-  now_.x = state();  // with the old input
+  if (now_.event && now_.time == now_.step.t1) handle_event(false);  // it is due here, too
+  now_.x = state();                                                  // with the old input
   if (trajectory_) trajectory_->cut(now_.time);
   set();
   now_.step.t0 = now_.step.t1 = now_.time;

@@ -43,8 +43,12 @@ Robot::Robot(int model, const arm::Load& load, Controller controller)
       controller_(controller),
       arm_(mechanism(n_axes(), load, n_elastic(), RotorCoupling::simplified)),
       arm_behind_gears_(mechanism(n_axes(), load, n_elastic(), RotorCoupling::separate)) {
-  const auto add_states = [this](const char* name, const char* unit, double nominal, int size) {
-    if (size > 0) states_.push_back({name, unit, nominal, n_states(), size});
+  const auto add_states = [this](const char* name, const char* unit, double nominal, int size,
+                                 const drive::Row& of_axis = {1, 1, 1, 1, 1, 1}) {
+    if (size == 0) return;
+    std::vector<double> nominals(of_axis.begin(), of_axis.begin() + size);
+    for (double& value : nominals) value *= nominal;
+    states_.push_back({name, unit, nominals, n_states(), size});
   };
   const int n = n_axes();
   const int electrical = has_controller() ? n : 0;
@@ -58,8 +62,9 @@ Robot::Robot(int model, const arm::Load& load, Controller controller)
   add_states("filter", "V", 1.0, electrical);
   add_states("controller", "V", 0.1, electrical);
   add_states("voltage", "V", 1.0, electrical);
-  add_states("pt2_torque", "N m", 1.0, electrical);
-  add_states("pt2_torque_rate", "N m/s", 5e3, electrical);
+  // What a motor makes of a quarter of a volt: those of axes 4 to 6 are much weaker.
+  add_states("pt2_torque", "N m", 0.25, electrical, drive::K_M);
+  add_states("pt2_torque_rate", "N m/s", 0.25 * 5e3, electrical, drive::K_M);
 
   const auto add_indicators = [this](const char* name, int n_axes) {
     if (n_axes > 0) indicators_.push_back({name, n_indicators(), 2 * n_axes});

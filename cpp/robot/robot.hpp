@@ -22,7 +22,7 @@ enum class Controller {
 struct StateGroup {
   std::string name;
   std::string unit;
-  double nominal;  // magnitude that tolerances are scaled by
+  std::vector<double> nominals;  // magnitude on each axis, by which tolerances are scaled
   int first;
   int size;
 };

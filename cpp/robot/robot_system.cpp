@@ -49,7 +49,7 @@ class RobotSystemOf final : public RobotSystem {
   RobotSystemOf(std::shared_ptr<const Robot> robot, std::shared_ptr<const motion::Motion> motion)
       : robot_(std::move(robot)), motion_(std::move(motion)), equations_(*robot_) {
     for (const StateGroup& group : robot_->states()) {
-      nominals_.insert(nominals_.end(), group.size, group.nominal);
+      nominals_.insert(nominals_.end(), group.nominals.begin(), group.nominals.end());
     }
     mode_.branches.assign(Mode::size, 0);
     if (!robot_->has_controller()) mode_.held.assign(N, 0.0);

@@ -22,7 +22,7 @@ class RungeKuttaOutput final : public hybrid::DenseOutput {
 
 }  // namespace
 
-double default_tolerance(Method method) { return method == Method::erk ? 1e-7 : 5e-9; }
+double default_tolerance(Method method) { return method == Method::erk ? 5e-8 : 1e-10; }
 
 std::unique_ptr<hybrid::Integrator> make_integrator(Method method, hybrid::System& system,
                                                     double relative_tolerance) {

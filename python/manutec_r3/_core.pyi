@@ -61,8 +61,8 @@ class Robot:
     @property
     def n_indicators(self) -> int: ...
     @property
-    def state_groups(self) -> list[tuple[str, str, float, int, int]]:
-        """Name, unit, nominal value, first state, number of states."""
+    def state_groups(self) -> list[tuple[str, str, list[float], int, int]]:
+        """Name, unit, nominal values, first state, number of states."""
 
     @property
     def indicator_groups(self) -> list[tuple[str, int]]:

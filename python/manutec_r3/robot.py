@@ -131,8 +131,7 @@ class Robot:
     @property
     def state_nominals(self) -> np.ndarray:
         """Magnitude of each state, by which tolerances are scaled."""
-        groups = self._compiled.state_groups
-        return np.array([nominal for _, _, nominal, _, size in groups for _ in range(size)])
+        return np.concatenate([nominals for _, _, nominals, _, _ in self._compiled.state_groups])
 
     @property
     def indicator_names(self) -> tuple[str, ...]:

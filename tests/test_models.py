@@ -1,0 +1,130 @@
+"""Models 1 to 4 against the independent implementation, with loads and motions of many kinds.
+
+`oracle_runs.py` says what the runs are, and where what they are compared with comes from.
+"""
+
+import numpy as np
+import pytest
+from independent import IndependentRobot
+from oracle_runs import ECCENTRIC, RUNS, SIGNALS, ranges, sequence, stored, times_of
+from scipy.integrate import solve_ivp
+
+import manutec_r3 as r3
+
+RTOL = 1e-9
+
+
+@pytest.fixture(scope="module", params=RUNS)
+def pair(request):
+    """A run of the package, and the same of the independent implementation."""
+    return RUNS[request.param].simulate(rtol=RTOL), stored(request.param)
+
+
+def test_events_are_those_of_the_independent_implementation(pair):
+    result, expected = pair
+    assert sequence(result.events) == sequence(expected.events)
+    # 1e-6 s is what the package promises at this tolerance; 1e-11 s is what it does.
+    assert times_of(result.events) == pytest.approx(times_of(expected.events), rel=0, abs=1e-9)
+
+
+@pytest.mark.parametrize("signal", SIGNALS)
+def test_signals_are_those_of_the_independent_implementation(pair, signal):
+    result, expected = pair
+    error = np.abs(getattr(result.at(expected.time), signal) - getattr(expected, signal))
+    # 1e-6 of the range is what the package promises at this tolerance; 5e-9 is what it does. Where
+    # nothing moves, noise of the size of the tolerance is left.
+    assert np.max(error - 1e-7 * ranges(getattr(expected, signal))) <= RTOL
+
+
+@pytest.mark.parametrize(("name", "until"), [("2-trapezoid-saturated", 0.1), ("4-quintic", 0.05)])
+def test_stored_runs_come_from_the_independent_implementation(name, until):
+    again, expected = RUNS[name].simulate_independently(until, rtol=1e-10), stored(name)
+    events = [event for event in expected.events if event[0] < until]
+    assert sequence(again.events) == sequence(events)
+    assert len(events) >= 3
+    # The tolerance of this repetition is a hundred times that of the stored run.
+    assert times_of(again.events) == pytest.approx(times_of(events), rel=0, abs=1e-9)
+    n = len(again.time)
+    assert again.motor_torque == pytest.approx(expected.motor_torque[:n], rel=0, abs=1e-6)
+
+
+def test_simultaneous_events_are_at_one_instant_in_the_order_of_axes():
+    events = list(RUNS["3-trapezoid"].simulate().events)
+    first, second = events[2:4]
+    assert (first[1:], second[1:]) == ((1, "dead_zone", 0, -1), (2, "dead_zone", 0, 1))
+    assert first.time == second.time
+
+
+# --- torques as inputs ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("model", [1, 2])
+def test_torque_inputs_move_ideal_gears_by_the_forward_dynamics(model):
+    rng = np.random.default_rng(model)
+    n = 6 if model == 1 else 3
+    oracle = IndependentRobot(model, 6.0, ECCENTRIC)
+    robot = r3.Robot(model=model, load=r3.Load(6.0, ECCENTRIC), controller=None)
+    q, qd = rng.uniform(-1.0, 1.0, n), rng.uniform(-1.0, 1.0, n)
+    simulator = r3.Simulator(robot, rtol=1e-11, start=robot.state_from(q, qd))
+    x = np.concatenate((q, qd))
+
+    for _ in range(10):
+        torque = rng.uniform(-3.0, 3.0, n)
+        simulator.motor_torque = torque
+        assert simulator.step(0.03) == []
+
+        def move(t, x, torque=torque):
+            return np.concatenate(
+                (x[n:], oracle.forward_dynamics(x[:n], x[n:], oracle.ratio * torque))
+            )
+
+        x = solve_ivp(move, (0.0, 0.03), x, "DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
+        # Both integrate to about 1e-11 in each of ten pieces; rates reach some rad/s.
+        assert np.concatenate((simulator.joint_angle, simulator.joint_rate)) == pytest.approx(
+            x, rel=0, abs=1e-8
+        )
+        np.testing.assert_array_equal(simulator.motor_torque, torque)
+        np.testing.assert_array_equal(simulator.joint_torque, oracle.ratio * torque)
+
+
+def test_a_torque_input_acts_at_once():
+    robot = r3.Robot(model=2, controller=None)
+    simulator = r3.Simulator(robot)
+    at_rest = simulator.joint_acceleration
+    simulator.motor_torque = [1.0, -0.5, 2.0]
+    torque = np.array([1.0, -0.5, 2.0]) * [-105.0, 210.0, 60.0]
+    gained = simulator.joint_acceleration - at_rest
+    expected = np.linalg.solve(robot.mass_matrix(np.zeros(3)), torque)
+    assert gained == pytest.approx(expected, rel=1e-13)  # roundoff
+
+
+def test_a_torque_input_beyond_the_sticking_limit_sets_its_axis_sliding_at_once():
+    robot = r3.Robot(model=3, controller=None)
+    simulator = r3.Simulator(robot)
+    np.testing.assert_array_equal(simulator.branches["friction"], 0)
+    simulator.motor_torque = [0.41, 0.0, 0.0, -0.28, 0.0, 0.16]
+    np.testing.assert_array_equal(simulator.branches["friction"], [1, 0, 0, -1, 0, 0])
+    assert [event[1:] for event in simulator.step(0.0)] == [
+        (1, "friction", 0, 1),
+        (4, "friction", 0, -1),
+    ]
+
+
+def test_setting_a_torque_input_does_not_move_the_robot():
+    robot = r3.Robot(model=3, load=r3.Load(6.0, ECCENTRIC), controller=None)
+    start = robot.state_from([0.1, -0.2, 0.3, 0.4, -0.5, 0.6], [1.0, -1.0, 2.0, 1.0, -2.0, 3.0])
+    simulator = r3.Simulator(robot, start=start)
+    for dt in (0.01, 0.0007, 0.02):  # in the middle of steps of the integrator
+        simulator.step(dt)
+        before = simulator.state
+        simulator.motor_torque = [4.0 * dt, -2.0, 1.0, 0.3, -0.4, 0.1]
+        np.testing.assert_array_equal(simulator.state, before)
+
+
+def test_a_torque_input_at_the_instant_of_a_knot_does_not_lose_the_knot():
+    motion = r3.Quintic([0.0] * 3, [0.1] * 3, 0.1)
+    simulator = r3.Simulator(r3.Robot(model=2, controller=None), motion)
+    assert simulator.step_to_event(t_end=0.1) is None  # what lies at the end follows
+    simulator.motor_torque = [1.0, 0.0, 0.0]
+    assert simulator.step(0.05) == [(0.1, 0, "reference", 0, 0)]
+    np.testing.assert_array_equal(simulator.reference_angle, [0.1, 0.1, 0.1])

@@ -1,0 +1,264 @@
+"""Dry friction: sticking, break-away, reversal, and the choice among combinations."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from independent import FRICTION_POINTS, GEAR_RATIO, STICKING_LIMIT, Hold, Hybrid, IndependentRobot
+from oracle_runs import ECCENTRIC, RUNS
+
+import manutec_r3 as r3
+
+# Runs with much sticking and sliding, two of them with six axes.
+LIVELY = ["section-10", "3-quintic", "3-hold-disturbed", "3-saturated", "4-quintic"]
+LOWEST_FRICTION = np.array([points[0][1] for points in FRICTION_POINTS])
+
+
+@pytest.fixture(scope="module", params=LIVELY)
+def result(request):
+    return RUNS[request.param].simulate()
+
+
+def switches(result):
+    """Events of friction, each with the recorded instants before and after it."""
+    for event in result.events:
+        if event.element == "friction":
+            instants = np.flatnonzero(result.time == event.time)
+            yield event, event.axis - 1, instants[0], instants[-1]
+
+
+def everywhere(result):
+    """All recorded instants, and others inside every step."""
+    steps = np.unique(result.time)
+    inside = steps[:-1, None] + np.diff(steps)[:, None] * [0.001, 0.137, 0.61, 0.993]
+    return result, result.at(inside.ravel())
+
+
+# --- sticking -------------------------------------------------------------------------------------
+
+
+def test_a_sticking_axis_has_exactly_no_rate_and_no_acceleration(result):
+    for samples in everywhere(result):
+        sticks = samples.branches["friction"] == 0
+        assert sticks.sum() > 50
+        np.testing.assert_array_equal(samples.rotor_rate[sticks], 0.0)
+        # On axes 1 to 3 the rotor sticks, while the joint swings on its elastic gear.
+        rigid = sticks[:, 3:]
+        np.testing.assert_array_equal(samples.joint_rate[:, 3:][rigid], 0.0)
+        np.testing.assert_array_equal(samples.joint_acceleration[:, 3:][rigid], 0.0)
+
+
+def test_a_sticking_rotor_stays_where_it_is(result):
+    _, samples = everywhere(result)
+    sticks = samples.branches["friction"] == 0
+    stays = sticks[:-1] & sticks[1:]
+    # Rotors of elastic gears are known as deflection + p * joint: their sum is exact to roundoff of
+    # angles of some hundred radians.
+    assert np.abs(np.diff(samples.rotor_angle, axis=0)[stays]).max() <= 1e-12
+
+
+def test_friction_of_a_sticking_axis_stays_within_its_limit(result):
+    for samples in everywhere(result):
+        sticks = samples.branches["friction"] == 0
+        limit = np.broadcast_to(STICKING_LIMIT[: sticks.shape[1]], sticks.shape)
+        # Roundoff where it has just reached the limit.
+        assert np.all(np.abs(samples.friction_torque[sticks]) <= limit[sticks] + 1e-12)
+
+
+def test_friction_holds_a_sticking_rotor_in_balance(result):
+    for samples in everywhere(result):
+        sticks = samples.branches["friction"] == 0
+        balance = samples.motor_torque - samples.gear_torque - samples.friction_torque
+        assert np.abs(balance[sticks]).max() <= 1e-13  # roundoff of a few N m
+
+
+def test_a_robot_at_rest_stays_exactly_at_rest():
+    robot = r3.Robot(model=3, load=r3.Load(12.0, ECCENTRIC))
+    result = r3.simulate(robot, r3.Hold((0.3, -0.5, 0.8, 0.4, -0.6, 0.2)), 10.0)
+    assert len(result.events) == 0
+    np.testing.assert_array_equal(result.rotor_rate, 0.0)
+    np.testing.assert_array_equal(result.joint_rate[:, 3:], 0.0)
+    np.testing.assert_array_equal(result.joint_acceleration[:, 3:], 0.0)
+    np.testing.assert_array_equal(np.ptp(result.joint_angle[:, 3:], axis=0), 0.0)
+    # Arms 1 to 3 hang on springs: roundoff of the balance may move them by roundoff.
+    assert np.abs(result.joint_rate).max() <= 1e-13
+    assert np.ptp(result.joint_angle, axis=0).max() <= 1e-15
+
+
+# --- between sticking and sliding -----------------------------------------------------------------
+
+
+def test_axes_break_away_exactly_at_their_limit(result):
+    seen = 0
+    for event, axis, before, after in switches(result):
+        if event.before != 0:
+            continue
+        torque = result.friction_torque[before, axis]
+        # Within roundoff of t of the crossing; torques change by less than 1e3 N m/s.
+        assert abs(torque) == pytest.approx(STICKING_LIMIT[axis], rel=0, abs=1e-12)
+        assert event.after == np.sign(torque)
+        # It begins at zero, with the friction of sliding.
+        assert result.rotor_rate[after, axis] == 0.0
+        assert result.friction_torque[after, axis] == event.after * LOWEST_FRICTION[axis]
+        seen += 1
+    assert seen >= 3
+
+
+def test_axes_stick_when_they_come_to_rest_within_their_limit(result):
+    seen = 0
+    for event, axis, before, after in switches(result):
+        if event.after != 0:
+            continue
+        # Zero within roundoff of t; rotors of axes 1 to 3 that creep count as sticking at 1e-9.
+        assert abs(result.rotor_rate[before, axis]) <= (1e-9 if axis < 3 else 1e-12)
+        assert result.rotor_rate[after, axis] == 0.0
+        assert abs(result.friction_torque[after, axis]) <= STICKING_LIMIT[axis]
+        seen += 1
+    assert seen >= 2
+
+
+@pytest.mark.parametrize("name", ["3-hold-disturbed", "4-quintic"])
+def test_a_reversal_without_sticking_is_one_event(name):
+    result = RUNS[name].simulate()
+    reversals = [s for s in switches(result) if s[0].before * s[0].after == -1]
+    assert len(reversals) >= 4
+    for event, axis, before, after in reversals:
+        assert abs(result.rotor_rate[before, axis]) <= 1e-12  # within roundoff of t
+        assert result.rotor_rate[after, axis] == 0.0
+        friction = LOWEST_FRICTION[axis]
+        assert result.friction_torque[before, axis] == pytest.approx(event.before * friction)
+        assert result.friction_torque[after, axis] == event.after * friction
+        if axis < 3:
+            drive = result.motor_torque[after, axis] - result.gear_torque[after, axis]
+            assert event.after * drive > STICKING_LIMIT[axis]
+        of_axis = [e for e in result.events if e.time == event.time and e.axis == event.axis]
+        assert of_axis == [event]
+
+
+def test_friction_opposes_the_rotor_whichever_way_its_gear_turns(result):
+    for samples in everywhere(result):
+        branch = samples.branches["friction"]
+        # Roundoff is left of rates just before they are set to zero.
+        moving = (branch != 0) & (np.abs(samples.rotor_rate) > 1e-12)
+        np.testing.assert_array_equal(branch[moving], np.sign(samples.rotor_rate[moving]))
+        np.testing.assert_array_equal(branch[moving], np.sign(samples.friction_torque[moving]))
+        joint = GEAR_RATIO[: branch.shape[1]] * samples.joint_rate
+        rigid = moving & (np.arange(branch.shape[1]) >= 3)
+        np.testing.assert_array_equal(branch[rigid], np.sign(joint[rigid]))
+
+
+def test_friction_of_a_sliding_axis_follows_its_characteristic(result):
+    for samples in everywhere(result):
+        for axis in range(result.robot.n_axes):
+            rate = np.abs(samples.rotor_rate[:, axis])
+            slides = samples.branches["friction"][:, axis] != 0
+            (w0, r0), (w1, r1) = FRICTION_POINTS[axis][-2:]
+            expected = np.where(
+                rate < w1,
+                np.interp(rate, *np.transpose(FRICTION_POINTS[axis])),
+                r0 + (rate - w0) * (r1 - r0) / (w1 - w0),
+            )
+            got = np.abs(samples.friction_torque[:, axis])
+            # A kink is located within roundoff of t.
+            assert got[slides] == pytest.approx(expected[slides], rel=0, abs=1e-12)
+
+
+# --- the decision from a state --------------------------------------------------------------------
+
+AT_REST = (0.2, -0.3, 0.5, 0.7, -0.9, 0.4)
+
+
+def decide(model, **state):
+    """Branches of friction that the package and brute force decide from a state."""
+    load = (7.0, ECCENTRIC)
+    robot = r3.Robot(model=model, load=r3.Load(*load))
+    motion = np.zeros(robot.n_axes)
+    simulator = r3.Simulator(robot, r3.Hold(motion), start=robot.state_from(**state))
+    independent = IndependentRobot(model, *load)
+    brute_force = Hybrid(independent, Hold(motion))
+    brute_force.start(independent.state_from(**state))
+    return simulator, brute_force
+
+
+def test_any_state_with_resting_axes_is_decided_as_by_brute_force():
+    rng = np.random.default_rng(8)
+    decisions = set()
+    for _ in range(400):
+        q = rng.uniform(-1.5, 1.5, 6)
+        moves = rng.random(6) < 0.2
+        qd = np.where(moves, rng.normal(0.0, 1.0, 6), 0.0)
+        # Motors that roughly hold the arms against gravity, give or take some sticking limits.
+        torque = IndependentRobot(3, 7.0, ECCENTRIC).bias(q, qd) / GEAR_RATIO
+        torque += rng.normal(0.0, 1.0, 6) * STICKING_LIMIT
+        stretch = np.clip(torque, -3.0, 3.0) / [43.0, 8.0, 58.0, np.inf, np.inf, np.inf]
+        simulator, brute_force = decide(
+            3,
+            joint_angle=q,
+            joint_rate=qd,
+            rotor_angle=GEAR_RATIO * q + stretch,
+            motor_torque=torque,
+        )
+        np.testing.assert_array_equal(simulator.branches["friction"], brute_force.friction)
+        decisions.add(tuple(simulator.branches["friction"][3:]))
+        signals = brute_force.signals(0.0, simulator_state(simulator, brute_force))
+        # Accelerations are solved for in another way: roundoff, times the condition of M.
+        assert simulator.joint_acceleration == pytest.approx(
+            signals["joint_acceleration"], rel=1e-10, abs=1e-10
+        )
+        assert simulator.friction_torque == pytest.approx(
+            signals["friction_torque"], rel=1e-10, abs=1e-10
+        )
+    assert decisions == set(product((-1, 0, 1), repeat=3))  # nothing was left out
+
+
+def simulator_state(simulator, brute_force):
+    """State of the independent implementation at the simulator's present instant."""
+    return brute_force.robot.state_from(
+        joint_angle=simulator.joint_angle,
+        joint_rate=simulator.joint_rate,
+        rotor_angle=simulator.rotor_angle,
+        rotor_rate=simulator.rotor_rate,
+        motor_torque=simulator.motor_torque,
+    )
+
+
+@pytest.mark.parametrize("pushed", list(product((False, True), repeat=3)))
+def test_axes_4_to_6_stick_or_slide_in_each_combination(pushed):
+    # Upright and without load no gravity acts, and coupling between these axes is weak.
+    torque = np.zeros(6)
+    torque[3:] = np.where(pushed, 1.5, 0.5) * STICKING_LIMIT[3:]
+    robot = r3.Robot(model=3)
+    start = robot.state_from(np.zeros(6), motor_torque=torque)
+    simulator = r3.Simulator(robot, r3.Hold(np.zeros(6)), start=start)
+    np.testing.assert_array_equal(simulator.branches["friction"], [0, 0, 0, *pushed])
+    acceleration = simulator.joint_acceleration[3:]
+    np.testing.assert_array_equal(acceleration != 0.0, pushed)
+    np.testing.assert_array_equal(np.sign(GEAR_RATIO[3:] * acceleration)[list(pushed)], 1.0)
+
+
+def test_torques_beyond_all_limits_set_all_axes_sliding():
+    torque = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+    robot = r3.Robot(model=3)
+    start = robot.state_from(np.zeros(6), motor_torque=torque)
+    simulator = r3.Simulator(robot, r3.Hold(np.zeros(6)), start=start)
+    np.testing.assert_array_equal(simulator.branches["friction"], np.sign(torque))
+    np.testing.assert_array_equal(simulator.friction_torque, np.sign(torque) * LOWEST_FRICTION)
+
+
+@pytest.mark.parametrize("model", [3, 4])
+def test_a_robot_at_rest_sticks_on_all_axes_at_the_start(model):
+    n = 6 if model == 3 else 3
+    robot = r3.Robot(model=model, load=r3.Load(10.0))
+    simulator = r3.Simulator(robot, r3.Hold(AT_REST[:n]))
+    np.testing.assert_array_equal(simulator.branches["friction"], np.zeros(n))
+    assert simulator.friction_torque == pytest.approx(np.zeros(n), abs=1e-12)  # motors balance
+
+
+def test_the_sticking_limit_itself_still_holds():
+    robot = r3.Robot(model=3)
+    torque = [0.4, -0.5, 0.7, 0.0, 0.0, 0.0]
+    for factor, expected in ((1.0, 0), (1.0 + 1e-15, 1)):
+        start = robot.state_from(np.zeros(6), motor_torque=factor * np.array(torque))
+        simulator = r3.Simulator(robot, r3.Hold(np.zeros(6)), start=start)
+        branches = simulator.branches["friction"][:3]
+        np.testing.assert_array_equal(branches, expected * np.array([1, -1, 1]))
