@@ -62,6 +62,7 @@ double leave_domain(Function&& z, double inside, double z_inside, double outside
     if (!(next > inside && next < outside)) {
       next = inside + (outside - inside) * z_inside / (z_inside - z_outside);
     }
+    if (!std::isfinite(next)) next = 0.5 * (inside + outside);
     // Bisection if three evaluations have not halved the bracket.
     if (evaluations % 3 == 0) {
       if (outside - inside > 0.5 * width_before) next = 0.5 * (inside + outside);

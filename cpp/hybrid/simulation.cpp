@@ -23,6 +23,10 @@ constexpr double short_time = 1e-3;
 constexpr double shallowest_dip = 1e-12;
 // A step is halved so often in search of an instant at which an indicator was inside its domain.
 constexpr int most_halvings = 50;
+// A minimum is looked at if the cubic sees it below this part of the lower end: between steps of a
+// size that tolerances allow the cubic is better than that.
+constexpr double doubtful = 0.25;
+constexpr int most_searches = 10;
 // Rates of indicators come from a difference over this time [s]: much shorter than a step, and long
 // enough for ten digits of the difference to survive.
 constexpr double ahead = 1e-7;
@@ -55,6 +59,8 @@ Simulation::Simulation(System& system, Integrator& integrator, double t, std::ve
       trajectory_(trajectory),
       scratch_x_(system.n_states()),
       scratch_z_(system.n_indicators()),
+      dip_z_(system.n_indicators()),
+      dip_slope_(system.n_indicators()),
       scratch_derivatives_(system.n_states()) {
   now_.time = now_.step.t0 = now_.step.t1 = t;
   now_.x = std::move(x);
@@ -87,9 +93,12 @@ void Simulation::change_input(const std::function<void()>& set) {
   now_.x = state();                                                  // with the old input
   if (trajectory_) trajectory_->cut(now_.time);
   set();
+  // What happens at this very instant is part of the same decision.
+  if (!now_.event || now_.time < now_.step.t1) {
+    now_.fired.clear();
+    now_.time_event = false;
+  }
   now_.step.t0 = now_.step.t1 = now_.time;
-  now_.fired.clear();
-  now_.time_event = false;
   handle_event(true);
 }
 
@@ -123,6 +132,10 @@ void Simulation::restore(const Snapshot& snapshot) {
   }
   now_ = snapshot;
   system_.set_mode(snapshot.mode);
+  if (trajectory_) {
+    trajectory_->cut(now_.step.t0);
+    if (now_.step.t1 > now_.step.t0) trajectory_->append(now_.step, now_.mode);
+  }
   integrator_.restart(now_.step.t1, now_.x.data(), now_.next_size);
 }
 
@@ -135,19 +148,23 @@ void Simulation::advance_front() {
   slope0_ = now_.slope;
   try {
     integrator_.advance(stop, now_.step, now_.x.data());
+    if (!std::ranges::all_of(now_.x, [](double value) { return std::isfinite(value); })) {
+      throw SimulationFailure("the state has grown beyond all bounds");
+    }
+    measure(now_.step.t1, now_.x, now_.z, now_.slope);
+    locate_event(stop);
   } catch (...) {
-    now_.step.t1 = now_.step.t0;
+    // Back to the beginning of the step, where all was well: the run can be continued.
+    now_.x = x0_;
+    now_.z = z0_;
+    now_.slope = slope0_;
+    now_.step.t0 = now_.step.t1 = now_.time;
+    now_.event = false;
+    integrator_.restart(now_.time, now_.x.data(), integrator_.next_size());
     // A run that cannot even begin leaves its beginning behind.
     if (trajectory_ && trajectory_->n_steps() == 0) trajectory_->append(now_.step, system_.mode());
     throw;
   }
-  if (!std::ranges::all_of(now_.x, [](double value) { return std::isfinite(value); })) {
-    now_.x = x0_;
-    now_.step.t1 = now_.step.t0;
-    throw SimulationFailure("the state has grown beyond all bounds");
-  }
-  measure(now_.step.t1, now_.x, now_.z, now_.slope);
-  locate_event(stop);
   if (trajectory_ && now_.step.t1 > now_.step.t0) trajectory_->append(now_.step, system_.mode());
 }
 
@@ -158,14 +175,44 @@ void Simulation::measure(double t, const std::vector<double>& x, std::vector<dou
   for (std::size_t s = 0; s < x.size(); ++s) scratch_x_[s] = x[s] + ahead * scratch_derivatives_[s];
   system_.indicators(t, x.data(), z.data());
   system_.indicators(t + ahead, scratch_x_.data(), slope.data());
-  for (std::size_t i = 0; i < z.size(); ++i) slope[i] = (slope[i] - z[i]) / ahead;
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    check_indicator(static_cast<int>(i), z[i]);
+    slope[i] = (slope[i] - z[i]) / ahead;
+  }
 }
 
 double Simulation::indicator_inside(int indicator, double t) {
   ++locations_;
   integrator_.evaluate(now_.step, t, scratch_x_.data());
   system_.indicators(t, scratch_x_.data(), scratch_z_.data());
+  check_indicator(indicator, scratch_z_[indicator]);
   return scratch_z_[indicator];
+}
+
+void Simulation::check_indicator(int indicator, double z) const {
+  if (std::isfinite(z)) return;
+  throw SimulationFailure("an indicator of " + system_.describe(system_.element_of(indicator)) +
+                          " is not a finite number");
+}
+
+// An instant between a and b at which the indicator is out of its domain though the cubic begins
+// inside, if there is one: where its minimum is, better known with each evaluation.
+std::optional<Sample> Simulation::dip(int indicator, Sample a, Sample b) {
+  const double deep = -shallowest_dip * std::max(a.z, b.z);
+  for (int search = 0; search < most_searches; ++search) {
+    if (!(a.z > 0.0 && a.slope < 0.0)) return {};
+    const Cubic cubic(a, b);
+    const std::optional<double> lowest = cubic.minimum();
+    if (!lowest || cubic(*lowest) > doubtful * std::min(a.z, std::abs(b.z))) return {};
+    Sample c{*lowest, indicator_inside(indicator, *lowest), 0.0};
+    if (c.z <= deep) return c;
+    if (c.z <= 0.0) return {};
+    dip_x_ = scratch_x_;
+    measure(c.t, dip_x_, dip_z_, dip_slope_);
+    c.slope = dip_slope_[indicator];
+    (c.slope < 0.0 ? a : b) = c;
+  }
+  return {};
 }
 
 // --- events -------------------------------------------------------------------------------------
@@ -182,15 +229,13 @@ void Simulation::locate_event(double stop) {
     const Cubic cubic({t0, z0_[i], slope0_[i]}, {t1, z1, now_.slope[i]});
     double outside = t1;
     double z_outside = z1;
-    if (z1 > 0.0) {
-      // Semantics 1: out of the domain and back within the step?
-      if (!(z0_[i] > 0.0 && slope0_[i] < 0.0 && now_.slope[i] > 0.0)) continue;
-      const double dip = -shallowest_dip * std::max(z0_[i], z1);
-      const std::optional<double> lowest = cubic.minimum();
-      if (!lowest || cubic(*lowest) > dip) continue;
-      outside = *lowest;
-      z_outside = indicator_inside(i, outside);
-      if (z_outside > dip) continue;
+    // Semantics 1: out of the domain and back within the step?
+    const std::optional<Sample> low = dip(i, {t0, z0_[i], slope0_[i]}, {t1, z1, now_.slope[i]});
+    if (low) {
+      outside = low->t;
+      z_outside = low->z;
+    } else if (z1 > 0.0) {
+      continue;
     }
     if (first < outside) {
       // Another indicator fires before; this one matters only if it does so earlier.
@@ -205,14 +250,15 @@ void Simulation::locate_event(double stop) {
       // Semantics 2: it counts as inside at t0; find out where it really is.
       const std::optional<double> highest = cubic.maximum();
       inside = highest && *highest < outside ? *highest : 0.5 * (t0 + outside);
-      for (int halving = 0; halving < most_halvings; ++halving) {
+      const bool enters = highest && cubic(*highest) > 0.0;
+      for (int halving = 0; enters && halving < most_halvings; ++halving) {
         z_inside = indicator_inside(i, inside);
         if (z_inside > 0.0) break;
         outside = inside;
         z_outside = z_inside;
         inside = 0.5 * (t0 + inside);
       }
-      if (z_inside <= 0.0 && slope0_[i] >= 0.0) continue;  // on its way in
+      if (z_inside <= 0.0 && z1 >= z0_[i]) continue;  // on its way in, or where it was left
     }
     const auto z = [&](double t) { return indicator_inside(i, t); };
     const double t = z_inside > 0.0 ? leave_domain(z, inside, z_inside, outside, z_outside,
@@ -239,10 +285,13 @@ void Simulation::locate_event(double stop) {
 
 // Semantics 4: whatever else fires at the end of the step, or so soon that it is the same instant.
 void Simulation::fold_in_simultaneous() {
-  const double instant = simultaneous(now_.step.t1);
+  // Half as much again: what is left out here and found in the next step shall not be within four
+  // units because of roundoff.
+  const double instant = 1.5 * simultaneous(now_.step.t1);
   for (int i = 0; i < system_.n_indicators(); ++i) {
     const double z_soon = now_.z[i] + std::min(0.0, now_.slope[i] * instant);
-    if (z0_[i] > 0.0 && z_soon <= 0.0 && std::ranges::find(now_.fired, i) == now_.fired.end()) {
+    if ((z0_[i] > 0.0 || now_.z[i] > 0.0) && z_soon <= 0.0 &&
+        std::ranges::find(now_.fired, i) == now_.fired.end()) {
       now_.fired.push_back(i);
     }
   }
@@ -251,24 +300,29 @@ void Simulation::fold_in_simultaneous() {
 
 void Simulation::handle_event(bool input_changed) {
   changes_.clear();
-  system_.handle_event(
-      now_.time, now_.x.data(),
-      {.fired = now_.fired, .time_event = now_.time_event, .input_changed = input_changed},
-      changes_);
+  x0_ = now_.x;
+  now_.mode = system_.mode();
+  try {
+    system_.handle_event(
+        now_.time, now_.x.data(),
+        {.fired = now_.fired, .time_event = now_.time_event, .input_changed = input_changed},
+        changes_);
+  } catch (...) {
+    now_.x = x0_;
+    system_.set_mode(now_.mode);
+    throw;
+  }
   for (const Change& change : changes_) {
     events_.push_back({now_.time, change.element, change.before, change.after});
   }
-  if (!input_changed) {
-    for (const int i : now_.fired) {
-      const Element element = system_.element_of(i);
-      if (now_.guard.exceeded(element, now_.time)) {
-        throw SimulationFailure("chattering: " + system_.describe(element) +
-                                " switches without end");
-      }
-    }
-  }
   ++restarts_;
   restart(integrator_.next_size());
+  for (const int i : now_.fired) {
+    const Element element = system_.element_of(i);
+    if (now_.guard.exceeded(element, now_.time)) {
+      throw SimulationFailure("chattering: " + system_.describe(element) + " switches without end");
+    }
+  }
 }
 
 void Simulation::restart(double size) {

@@ -23,8 +23,10 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <vector>
 
+#include "hybrid/crossing.hpp"
 #include "hybrid/integrator.hpp"
 #include "hybrid/system.hpp"
 #include "hybrid/trajectory.hpp"
@@ -105,6 +107,8 @@ class Simulation {
   void measure(double t, const std::vector<double>& x, std::vector<double>& z,
                std::vector<double>& slope);
   double indicator_inside(int indicator, double t);
+  std::optional<Sample> dip(int indicator, Sample a, Sample b);
+  void check_indicator(int indicator, double z) const;
 
   System& system_;
   Integrator& integrator_;
@@ -113,7 +117,9 @@ class Simulation {
   std::vector<Event> events_;
   std::vector<Change> changes_;
   std::vector<double> x0_, z0_, slope0_;  // at the beginning of the step
-  std::vector<double> scratch_x_, scratch_z_, scratch_derivatives_;
+  std::vector<double> scratch_x_, scratch_z_;
+  std::vector<double> dip_x_, dip_z_, dip_slope_;
+  std::vector<double> scratch_derivatives_;
   long restarts_ = 0;
   long locations_ = 0;
 };

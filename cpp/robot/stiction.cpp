@@ -17,14 +17,14 @@ constexpr std::array<int, 3> choices = {0, -1, +1};
 // friction can do, this is zero.
 constexpr double roundoff = 1e-9;
 
-bool consistent(const RestingAxes& axes, const std::vector<int>& branches) {
+bool consistent(const RestingAxes& axes, const std::vector<int>& branches, bool release) {
   const int n = static_cast<int>(branches.size());
   Eigen::VectorXd friction = Eigen::VectorXd::Zero(n);  // p r, joint side
   std::vector<int> sticking;
   for (int i = 0; i < n; ++i) {
     friction[i] = axes.p[i] * branches[i] * axes.rM_1[i];
     if (branches[i] != 0) continue;
-    if (axes.released[i]) return false;
+    if (release && axes.released[i]) return false;
     sticking.push_back(i);
   }
   if (!sticking.empty()) {
@@ -33,7 +33,9 @@ bool consistent(const RestingAxes& axes, const std::vector<int>& branches) {
         axes.W(sticking, sticking).lu().solve(acceleration(sticking).eval());
     friction(sticking) = holding;
     for (const int i : sticking) {
-      if (std::abs(friction[i] / axes.p[i]) > axes.rM_h[i]) return false;
+      // Not at the limit that it has just reached: that is what it must leave.
+      const double limit = axes.rM_h[i] * (axes.released[i] ? 1.0 - roundoff : 1.0);
+      if (std::abs(friction[i] / axes.p[i]) > limit) return false;
     }
   }
   const Eigen::VectorXd acceleration = axes.a0 - axes.W * friction;
@@ -45,9 +47,7 @@ bool consistent(const RestingAxes& axes, const std::vector<int>& branches) {
   return true;
 }
 
-}  // namespace
-
-std::vector<int> consistent_branches(const RestingAxes& axes) {
+std::vector<int> best_branches(const RestingAxes& axes, bool release) {
   const int n = static_cast<int>(axes.p.size());
   int combinations = 1;
   for (int i = 0; i < n; ++i) combinations *= 3;
@@ -63,16 +63,25 @@ std::vector<int> consistent_branches(const RestingAxes& axes) {
       rank.first += branches[i] == 0;
       rank.second += branches[i] == 0 && axes.sticks[i];
     }
-    if (rank > best_rank && consistent(axes, branches)) {
+    if (rank > best_rank && consistent(axes, branches, release)) {
       best = branches;
       best_rank = rank;
     }
   }
-  if (best_rank.first < 0) {
+  return best;
+}
+
+}  // namespace
+
+std::vector<int> consistent_branches(const RestingAxes& axes) {
+  std::vector<int> branches = best_branches(axes, true);
+  // Rarely others must slide in its place.
+  if (branches.empty()) branches = best_branches(axes, false);
+  if (branches.empty()) {
     throw hybrid::SimulationFailure(
         "no combination of sticking and sliding axes agrees with physics");
   }
-  return best;
+  return branches;
 }
 
 }  // namespace manutec_r3::robot

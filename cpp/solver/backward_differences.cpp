@@ -93,6 +93,9 @@ void BackwardDifferences::advance(double stop, hybrid::Step& step, double* x1) {
     check(std::isfinite(stop) ? CVodeSetStopTime(cvode_, stop) : CVodeClearStopTime(cvode_));
     const int flag = CVode(cvode_, t_ + 1.0, x_, &t_, CV_ONE_STEP);
     check(flag);
+    if (!(t_ > step.t0)) {
+      throw hybrid::SimulationFailure("steps have become too short to advance the time");
+    }
     std::copy_n(x_.data(), n, x1);
     check(CVodeGetLastOrder(cvode_, &order));
     for (int k = 1; k <= order; ++k) {

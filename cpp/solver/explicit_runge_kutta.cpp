@@ -20,6 +20,8 @@ constexpr double shortest_size = 1e-12;
 // Steps may grow as much after a restart as at any other time: a restart is no reason for caution,
 // and a run that is saved and continued takes the same steps.
 constexpr double largest_growth = 20.0;
+// In one step; each makes it shorter by a factor of three or more.
+constexpr int most_rejections = 100;
 
 }  // namespace
 
@@ -42,6 +44,9 @@ ExplicitRungeKutta::ExplicitRungeKutta(hybrid::System& system, double relative_t
   check(ARKodeSetFixedStepBounds(arkode_, 1.0, 1.0));
   check(ARKodeSetMaxGrowth(arkode_, largest_growth));
   check(ARKodeSetMaxFirstGrowth(arkode_, largest_growth));
+  // An event may make the system faster by many orders of magnitude: as many rejections as it
+  // takes.
+  check(ARKodeSetMaxErrTestFails(arkode_, most_rejections));
 }
 
 ExplicitRungeKutta::~ExplicitRungeKutta() {
@@ -76,7 +81,13 @@ void ExplicitRungeKutta::advance(double stop, hybrid::Step& step, double* x1) {
   }
   check(std::isfinite(stop) ? ARKodeSetStopTime(arkode_, stop) : ARKodeClearStopTime(arkode_));
   const int flag = ARKodeEvolve(arkode_, t_ + 1.0, x_, &t_, ARK_ONE_STEP);
-  check(flag);
+  if (flag < 0) {
+    restart(step.t0, step.dense.data(), next_size_);
+    check(flag);
+  }
+  if (!(t_ > step.t0)) {
+    throw hybrid::SimulationFailure("steps have become too short to advance the time");
+  }
   double size = 0.0;
   check(ARKodeGetCurrentStep(arkode_, &size));
   if (flag == ARK_TSTOP_RETURN) {

@@ -1,5 +1,7 @@
 #include "solver/sundials.hpp"
 
+#include <sundials/sundials_logger.h>
+
 #include <algorithm>
 #include <new>
 #include <utility>
@@ -18,6 +20,10 @@ Context::Context() {
   if (SUNContext_Create(SUN_COMM_NULL, &context_) != SUN_SUCCESS) throw std::bad_alloc();
   SUNContext_ClearErrHandlers(context_);
   SUNContext_PushErrHandler(context_, keep_message, &message_);
+  // Warnings have a channel of their own, which would be printed.
+  SUNLogger logger = nullptr;
+  SUNContext_GetLogger(context_, &logger);
+  SUNLogger_SetWarningFilename(logger, "");
 }
 
 Context::~Context() { SUNContext_Free(&context_); }
