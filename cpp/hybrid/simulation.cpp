@@ -89,12 +89,12 @@ void Simulation::advance(double target, Stop stop, Target at_target,
 }
 
 void Simulation::change_input(const std::function<void()>& set) {
-  if (now_.event && now_.time == now_.step.t1) handle_event(false);  // it is due here, too
-  now_.x = state();                                                  // with the old input
+  now_.x = state();  // with the old input
   if (trajectory_) trajectory_->cut(now_.time);
   set();
-  // What happens at this very instant is part of the same decision.
-  if (!now_.event || now_.time < now_.step.t1) {
+  // An event that is due at this very instant is part of the same decision.
+  const bool due = now_.event && now_.time == now_.step.t1;
+  if (!due) {
     now_.fired.clear();
     now_.time_event = false;
   }

@@ -175,9 +175,12 @@ class Simulator(Signals):
         self.method = method
         self.rtol = rtol
         self._untold: list[Event] = []  # events that have happened and nobody has been told of
-        self._compiled = _core.Simulator(
-            robot._compiled, core_motion, state, rtol, core_method, _record
-        )
+        try:
+            self._compiled = _core.Simulator(
+                robot._compiled, core_motion, state, rtol, core_method, _record
+            )
+        except _core.SimulationFailure as failure:
+            raise SimulationError(0.0, state, {}, str(failure)) from None
 
     # --- the present instant --------------------------------------------------------------------
 
