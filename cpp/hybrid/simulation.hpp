@@ -22,10 +22,10 @@
 #pragma once
 
 #include <functional>
-#include <map>
 #include <optional>
 #include <vector>
 
+#include "hybrid/chattering.hpp"
 #include "hybrid/crossing.hpp"
 #include "hybrid/integrator.hpp"
 #include "hybrid/system.hpp"
@@ -38,21 +38,6 @@ struct Statistics {
   long events = 0;     // changes that were logged
   long restarts = 0;   // of the integration, after logged changes or others
   long locations = 0;  // evaluations of the solution inside a step in search of events
-};
-
-// Counts what switches, to end a run that would switch for ever.
-class ChatteringGuard {
- public:
-  // Whether this event of an element is one too many.
-  bool exceeded(Element element, double t);
-
- private:
-  struct History {
-    int at_this_instant = 0;
-    std::vector<double> recent;  // instants, a ring
-    std::size_t oldest = 0;
-  };
-  std::map<Element, History> histories_;
 };
 
 class Simulation {

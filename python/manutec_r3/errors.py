@@ -22,7 +22,8 @@ class SimulationError(RuntimeError):
     reason : str
         What went wrong, in the words of the solver if it was the solver.
     result : Result or None
-        Everything computed so far; None from a `Simulator`, which stays where it came to.
+        Everything computed so far; None if it could not begin, or was stepped by a `Simulator`,
+        which stays where it came to.
     """
 
     def __init__(
