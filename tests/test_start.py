@@ -219,6 +219,31 @@ def test_a_value_on_an_edge_goes_where_its_rate_points():
         assert simulator.branches["backlash"][0] == branch
 
 
+@pytest.mark.parametrize("edge", [-1.0, 1.0])
+@pytest.mark.parametrize("way", [-0.3, 0.3])
+def test_a_value_that_rests_on_an_edge_leaves_it_either_way(edge, way):
+    """The backlash of axis 1 in model 3, the dead zone of axis 1 in model 2: zero rate at first."""
+    robot = r3.Robot(model=3)
+    start = robot.state_from([0.0] * 6, rotor_angle=[0.01 * edge, 0, 0, 0, 0, 0])
+    motion = r3.Quintic([0.0] * 6, [way, 0, 0, 0, 0, 0], 0.5)
+    after = r3.simulate(robot, motion, 0.05, start=start).at(0.05)
+    deflection = after.rotor_angle[0, 0] + 105 * after.joint_angle[0, 0]
+    outside = np.sign(deflection) * (abs(deflection) > 0.01)
+    assert after.branches["backlash"][0, 0] == outside
+    assert after.branches["friction"][0, 0] == -np.sign(way)  # p < 0; it has broken away
+
+    robot = r3.Robot(model=2)
+    motion = r3.Quintic([0.0] * 3, [way, 0, 0], 0.5)
+    start = robot.rest_state(motion)
+    for name in ("voltage[1]", "controller[1]"):
+        start[robot.state_names.index(name)] = 0.094 * edge
+    result = r3.simulate(robot, motion, 0.05, start=start)
+    outside = np.sign(result.voltage[:, 0]) * (np.abs(result.voltage[:, 0]) > 0.094)
+    inner = np.abs(np.abs(result.voltage[:, 0]) - 0.094) > 1e-9  # at an edge itself either is right
+    np.testing.assert_array_equal(result.branches["dead_zone"][inner, 0], outside[inner])
+    assert len(result.events) < 20
+
+
 def test_a_run_may_begin_in_a_torque_limit():
     run = RUNS["1-hold-disturbed"]
     state = run.robot.state_from(**run.start, motor_torque=[10.0, 0.0, -9.5, 0.0, 0.0, 0.0])

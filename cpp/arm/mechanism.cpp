@@ -28,13 +28,9 @@ Mechanism<N>::Mechanism(const std::array<Moments, N>& arms, const std::array<dou
 }
 
 Mechanism<6> six_arm_mechanism(const Load& load, const std::array<double, 6>& gear_ratio,
-                               const std::array<RotorCoupling, 6>& coupling, double arm_6_inertia) {
-  Body arm_6 = six_arms[5].body;
-  arm_6.I33 = arm_6_inertia;
-
+                               const std::array<RotorCoupling, 6>& coupling) {
   std::array<Moments, 6> arms;
-  for (int j = 0; j < 5; ++j) arms[j] = moments(six_arms[j].body);
-  arms[5] = moments(arm_6);
+  for (int j = 0; j < 6; ++j) arms[j] = moments(six_arms[j].body);
   arms[5] += moments(load);
   return {arms, gear_ratio, coupling};
 }

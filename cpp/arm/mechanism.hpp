@@ -46,11 +46,9 @@ class Mechanism {
   std::array<RotorTerms, N> rotors_;
 };
 
-// Models 1 and 3. The moment of inertia of arm 6 about its axis [kg m^2] is unknown, thus a
-// parameter.
+// Models 1 and 3.
 Mechanism<6> six_arm_mechanism(const Load& load, const std::array<double, 6>& gear_ratio,
-                               const std::array<RotorCoupling, 6>& coupling,
-                               double arm_6_inertia = six_arms[5].body.I33);
+                               const std::array<RotorCoupling, 6>& coupling);
 
 // Models 2 and 4: arms 3 to 6 are the lumped arm 3.
 Mechanism<3> lumped_mechanism(const Load& load, const std::array<double, 3>& gear_ratio,

@@ -1,4 +1,4 @@
-// Vectors and matrices of fixed size: three components of space, or one for each axis (spec 1).
+// Vectors and matrices of fixed size: three components of space, or one for each axis.
 #pragma once
 
 #include <Eigen/Core>

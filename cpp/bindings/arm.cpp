@@ -72,7 +72,7 @@ Array link_poses(const Array& q) {
   Array result({q.shape(0), py::ssize_t{7}, py::ssize_t{4}, py::ssize_t{4}});
   double* next = result.mutable_data();
   for (py::ssize_t k = 0; k < q.shape(0); ++k) {
-    for (const Eigen::Matrix4d& pose : arm::link_poses<6>(row<6>(q, k))) {
+    for (const Eigen::Matrix4d& pose : arm::link_poses(row<6>(q, k))) {
       Eigen::Map<RowMajor>{next} = pose;
       next += pose.size();
     }

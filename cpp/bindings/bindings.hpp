@@ -14,8 +14,8 @@ namespace manutec_r3::bindings {
 
 namespace py = pybind11;
 
-// C-contiguous and of doubles, converted if necessary. Python checks shapes; here nothing is
-// checked twice.
+// C-contiguous and of doubles, converted if necessary. The Python side has refused what are not
+// finite numbers, and shapes that would not fit.
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 inline std::span<const double> as_span(const Array& array) {

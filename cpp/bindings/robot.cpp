@@ -58,6 +58,7 @@ void register_robot(py::module_& module) {
         return std::make_shared<Robot>(model, load, controller_named(controller));
       }))
       .def_property_readonly("n_axes", &Robot::n_axes)
+      .def_property_readonly("has_real_gears", &Robot::has_real_gears)
       .def_property_readonly("n_states", &Robot::n_states)
       .def_property_readonly("n_indicators", &Robot::n_indicators)
       .def_property_readonly("state_groups", &state_groups)

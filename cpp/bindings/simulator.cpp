@@ -135,8 +135,7 @@ void register_simulator(py::module_& module) {
   for (const std::string_view name : robot::signal_names) names.append(std::string(name));
   module.attr("signal_names") = py::tuple(names);
 
-  py::class_<hybrid::Simulation::Snapshot>(module, "Snapshot")
-      .def_readonly("time", &hybrid::Simulation::Snapshot::time);
+  py::class_<hybrid::Simulation::Snapshot>(module, "Snapshot");
 
   py::class_<Simulator>(module, "Simulator")
       .def(py::init<std::shared_ptr<const Robot>, std::shared_ptr<const motion::Motion>,

@@ -16,6 +16,15 @@ namespace {
 using hybrid::Trajectory;
 using Indices = py::array_t<py::ssize_t, py::array::c_style | py::array::forcecast>;
 
+// The step that each instant falls into.
+Indices steps_at(const Trajectory& trajectory, const Array& t) {
+  Indices steps(t.size());
+  for (py::ssize_t k = 0; k < t.size(); ++k) {
+    steps.mutable_at(k) = static_cast<py::ssize_t>(trajectory.step_at(t.data()[k]));
+  }
+  return steps;
+}
+
 py::tuple as_state(const Trajectory& trajectory) {
   py::list modes;
   for (const hybrid::Mode& mode : trajectory.modes) {
@@ -97,6 +106,7 @@ void register_trajectory(py::module_& module) {
   py::class_<Trajectory, std::shared_ptr<Trajectory>>(module, "Trajectory")
       .def_property_readonly("begin", [](const Trajectory& t) { return as_array(t.begin); })
       .def_property_readonly("end", [](const Trajectory& t) { return as_array(t.end); })
+      .def("steps_at", &steps_at)
       .def(py::pickle(&as_state, &from_state));
   module.def("evaluate", &evaluate);
 }

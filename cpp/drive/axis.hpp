@@ -21,7 +21,6 @@ enum ElectricalState {
   pt2_torque,        // m
   pt2_torque_rate,   // m'
 };
-inline constexpr int n_electrical_states = 8;
 
 template <int N>
 struct Axes {

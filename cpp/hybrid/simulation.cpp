@@ -18,8 +18,8 @@ namespace {
 constexpr double shallowest_dip = 1e-12;
 // A step is halved so often in search of an instant at which an indicator was inside its domain.
 constexpr int most_halvings = 50;
-// A minimum is looked at if the cubic sees it below this part of the lower end: between steps of a
-// size that tolerances allow the cubic is better than that.
+// A minimum is evaluated if the cubic predicts it below this part of the smaller end: in steps that
+// the tolerances allow, cubics err by less.
 constexpr double doubtful = 0.25;
 constexpr int most_searches = 10;
 // Rates of indicators come from a difference over this time [s]: much shorter than a step, and long
@@ -33,6 +33,7 @@ Simulation::Simulation(System& system, Integrator& integrator, double t, std::ve
     : system_(system),
       integrator_(integrator),
       trajectory_(trajectory),
+      start_(t),
       scratch_x_(system.n_states()),
       scratch_z_(system.n_indicators()),
       dip_z_(system.n_indicators()),
@@ -93,26 +94,23 @@ Statistics Simulation::statistics() const {
 }
 
 Simulation::Snapshot Simulation::save() const {
-  Snapshot snapshot = now_;
-  snapshot.next_size = integrator_.next_size();
-  snapshot.mode = system_.mode();
-  return snapshot;
+  return {.front = now_, .next_size = integrator_.next_size(), .mode = system_.mode()};
 }
 
 void Simulation::restore(const Snapshot& snapshot) {
   const Mode& mode = system_.mode();
-  if (snapshot.x.size() != now_.x.size() || snapshot.z.size() != now_.z.size() ||
+  if (snapshot.front.x.size() != now_.x.size() || snapshot.front.z.size() != now_.z.size() ||
       snapshot.mode.branches.size() != mode.branches.size() ||
       snapshot.mode.held.size() != mode.held.size()) {
     throw std::invalid_argument("snapshot: expected one of the same system");
   }
-  now_ = snapshot;
+  now_ = snapshot.front;
   system_.set_mode(snapshot.mode);
   if (trajectory_) {
     trajectory_->cut(now_.step.t0);
-    if (now_.step.t1 > now_.step.t0) trajectory_->append(now_.step, now_.mode);
+    if (now_.step.t1 > now_.step.t0) trajectory_->append(now_.step, snapshot.mode);
   }
-  integrator_.restart(now_.step.t1, now_.x.data(), now_.next_size);
+  integrator_.restart(now_.step.t1, now_.x.data(), snapshot.next_size);
 }
 
 // --- one step -----------------------------------------------------------------------------------
@@ -277,7 +275,7 @@ void Simulation::fold_in_simultaneous() {
 void Simulation::handle_event(bool input_changed) {
   changes_.clear();
   x0_ = now_.x;
-  now_.mode = system_.mode();
+  const Mode before = system_.mode();
   try {
     system_.handle_event(
         now_.time, now_.x.data(),
@@ -285,10 +283,11 @@ void Simulation::handle_event(bool input_changed) {
         changes_);
   } catch (...) {
     now_.x = x0_;
-    system_.set_mode(now_.mode);
+    system_.set_mode(before);
     throw;
   }
   for (const Change& change : changes_) {
+    if (now_.time == start_) break;  // semantics 5
     events_.push_back({now_.time, change.element, change.before, change.after});
   }
   ++restarts_;

@@ -8,12 +8,15 @@
 //     roundoff.
 //  2. Right after an event every indicator counts as inside its domain, because the decision has
 //     just been made: the same root is never searched again.
-//  3. The instant is located within roundoff of t, on a true integration step that ends there, not
-//     on an interpolant. The integration restarts from it.
+//  3. The instant is located within roundoff of t, on the method's own solution inside the step:
+//  for
+//     Runge-Kutta a true step that ends there, for BDF its polynomial. The integration restarts
+//     from it.
 //  4. Instants closer than four units in the last place are one instant, and what happens at one
 //     instant is one decision of the system.
 //  5. The system may find by physics that an indicator has only touched zero. Then no branch
-//     changes and nothing is logged.
+//     changes and nothing is logged. Neither is what happens at the start: it belongs to the
+//     decision about the start.
 //  6. More than 100 events of one element at one instant, or more than 1000 within 1 ms, are
 //     chattering and end the run with an error that names the element.
 //
@@ -32,6 +35,14 @@
 #include "hybrid/trajectory.hpp"
 
 namespace manutec_r3::hybrid {
+
+// A change, and when it happened.
+struct Event {
+  double time;
+  Element element;
+  int before;
+  int after;
+};
 
 struct Statistics {
   Work work;
@@ -66,19 +77,24 @@ class Simulation {
   const std::vector<Event>& events() const { return events_; }
   Statistics statistics() const;
 
-  // All that the future depends on, the system's mode included. The log of events and the
-  // statistics go on. Restoring throws std::invalid_argument if the snapshot is of another system.
-  struct Snapshot {
-    double time = 0.0;
-    Step step;                     // the front: the last step, cut off at an event
+  // How far the integration has come; it may be ahead of the time.
+  struct Front {
+    double time = 0.0;             // of the simulation
+    Step step;                     // the last step, cut off at an event
     std::vector<double> x;         // state at its end
     std::vector<double> z, slope;  // indicators there, and their rates along the solution
     bool event = false;            // something happens at its end:
     bool time_event = false;       // an announced instant,
     std::vector<int> fired;        // indicators
-    double next_size = 0.0;        // that the integrator would try
-    Mode mode;
     ChatteringGuard guard;
+  };
+
+  // All that the future depends on, the system's mode included. The log of events and the
+  // statistics go on. Restoring throws std::invalid_argument if the snapshot is of another system.
+  struct Snapshot {
+    Front front;
+    double next_size = 0.0;  // that the integrator would try
+    Mode mode;
   };
   Snapshot save() const;
   void restore(const Snapshot& snapshot);
@@ -98,7 +114,8 @@ class Simulation {
   System& system_;
   Integrator& integrator_;
   Trajectory* trajectory_;
-  Snapshot now_;
+  double start_;
+  Front now_;
   std::vector<Event> events_;
   std::vector<Change> changes_;
   std::vector<double> x0_, z0_, slope0_;  // at the beginning of the step

@@ -9,13 +9,6 @@
 
 namespace manutec_r3::hybrid {
 
-struct Event {
-  double time;
-  Element element;
-  int before;
-  int after;
-};
-
 struct Trajectory {
   // Step i covers [begin[i], end[i]) in mode modes[mode[i]]; the next begins where it ends. At an
   // event both sides are there: the end of one step, the beginning of the next.

@@ -1,5 +1,5 @@
-// The elements that switch, by name, and the order in which events of one instant are told:
-// reference first, then axis by axis in the order below (spec 8).
+// The elements that switch, by name (spec 8). Events of one instant are told in this order: the
+// reference, then axis by axis the elements as they stand below.
 #pragma once
 
 #include <array>

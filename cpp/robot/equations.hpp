@@ -31,8 +31,8 @@ class Equations {
   explicit Equations(const Robot& robot)
       : elastic_(robot.has_real_gears()),
         controlled_(robot.has_controller()),
-        rotor_state_(2 * N),
-        electrical_state_(2 * N + 2 * robot.n_elastic()),
+        deflection_state_(robot.first_state("deflection")),
+        electrical_state_(robot.first_state("tachogenerator_1")),
         mechanism_(std::get<arm::Mechanism<N>>(robot.arm_behind_gears())) {
     for (int i = 0; i < N; ++i) {
       friction_of[i] = {drive::friction[i]};
@@ -40,7 +40,7 @@ class Equations {
     }
   }
 
-  // --- what switches, and inputs ---------------------------------------------------------------
+  // --- what switches, and inputs ----------------------------------------------------------------
 
   drive::Axes<N> axes;      // NL1 and NL2 in its motors
   drive::ElasticGear gear;  // NL4
@@ -49,7 +49,7 @@ class Equations {
   int motion_piece = -1;
   PerAxis<N> held_torque = PerAxis<N>::Zero();  // rF of a robot without controller
 
-  // --- constants ---------------------------------------------------------------------------------
+  // --- constants --------------------------------------------------------------------------------
 
   PerAxis<N> p = drive::first<N>(drive::gear_ratio);
   PerAxis<N> rJ;
@@ -57,20 +57,20 @@ class Equations {
 
   bool is_elastic(int axis) const { return elastic_ && axis < E; }
 
-  // --- views of the state ------------------------------------------------------------------------
+  // --- views of the state -----------------------------------------------------------------------
 
   static ConstView<N> q(const double* x) { return ConstView<N>(x); }
   static ConstView<N> qd(const double* x) { return ConstView<N>(x + N); }
-  ConstView<E> deflection(const double* x) const { return ConstView<E>(x + rotor_state_); }
+  ConstView<E> deflection(const double* x) const { return ConstView<E>(x + deflection_state_); }
   ConstView<E> elastic_rotor_rate(const double* x) const {
-    return ConstView<E>(x + rotor_state_ + E);
+    return ConstView<E>(x + deflection_state_ + E);
   }
   const double* electrical(const double* x) const { return x + electrical_state_; }
   double* electrical(double* x) const { return x + electrical_state_; }
 
   // The state that comes to rest when an axis sticks: the rate of its rotor, or of its joint.
   int index_of_rate(int axis) const {
-    return is_elastic(axis) ? rotor_state_ + E + axis : N + axis;
+    return is_elastic(axis) ? deflection_state_ + E + axis : N + axis;
   }
 
   // rq and rq': with rigid gears p times the joint's (spec 2).
@@ -88,8 +88,7 @@ class Equations {
     return elastic_rotor_rate(x) - p.template head<E>() * qd(x).template head<E>();
   }
 
-  // --- torques
-  // -------------------------------------------------------------------------------------
+  // --- torques ----------------------------------------------------------------------------------
 
   struct Torques {
     PerAxis<N> motor;     // rF
@@ -111,8 +110,7 @@ class Equations {
     return torques;
   }
 
-  // --- equations of motion
-  // -------------------------------------------------------------------------
+  // --- equations of motion ----------------------------------------------------------------------
 
   arm::EquationsOfMotion<N> equations_of_motion(const double* x) const {
     return arm::equations_of_motion<N>(mechanism_, q(x).matrix(), qd(x).matrix());
@@ -171,8 +169,8 @@ class Equations {
     View<N>{dx + N} = joint_acceleration(equations_of_motion(x), p * now.gear);
 
     if (elastic_) {
-      View<E>{dx + rotor_state_} = deflection_rate(x);
-      View<E> rotor_acceleration(dx + rotor_state_ + E);
+      View<E>{dx + deflection_state_} = deflection_rate(x);
+      View<E> rotor_acceleration(dx + deflection_state_ + E);
       rotor_acceleration =
           (now.motor - now.gear - now.friction).template head<E>() / rJ.template head<E>();
       for (int i = 0; i < E; ++i) {
@@ -194,7 +192,7 @@ class Equations {
 
  private:
   bool elastic_, controlled_;
-  int rotor_state_, electrical_state_;  // where these groups begin
+  int deflection_state_, electrical_state_;  // where these groups begin
   arm::Mechanism<N> mechanism_;
 };
 

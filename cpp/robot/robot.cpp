@@ -35,11 +35,16 @@ int checked_model(int model) {
   throw std::invalid_argument("model: expected 1, 2, 3 or 4, got " + std::to_string(model));
 }
 
+const arm::Load& checked_load(const arm::Load& load) {
+  arm::check(load);
+  return load;
+}
+
 }  // namespace
 
 Robot::Robot(int model, const arm::Load& load, Controller controller)
     : model_(checked_model(model)),
-      load_((arm::check(load), load)),
+      load_(checked_load(load)),
       controller_(controller),
       arm_(mechanism(n_axes(), load, n_elastic(), RotorCoupling::simplified)),
       arm_behind_gears_(mechanism(n_axes(), load, n_elastic(), RotorCoupling::separate)) {
@@ -52,6 +57,8 @@ Robot::Robot(int model, const arm::Load& load, Controller controller)
   };
   const int n = n_axes();
   const int electrical = has_controller() ? n : 0;
+  // Nominal values are of the order that a state reaches in the benchmark motion. Angles have a
+  // much smaller one: their control errors, some 1e-2 rad, are to be accurate.
   add_states("joint_angle", "rad", 1e-2, n);
   add_states("joint_rate", "rad/s", 1.0, n);
   add_states("deflection", "rad", 0.1, n_elastic());
@@ -75,6 +82,11 @@ Robot::Robot(int model, const arm::Load& load, Controller controller)
   add_indicators("backlash", n_elastic());
 }
 
+int Robot::first_state(std::string_view name) const {
+  const auto group = std::ranges::find(states_, name, &StateGroup::name);
+  return group == states_.end() ? n_states() : group->first;
+}
+
 int Robot::n_states() const {
   return states_.empty() ? 0 : states_.back().first + states_.back().size;
 }
@@ -91,11 +103,9 @@ void check_motion(const Robot& robot, const motion::Motion& motion) {
   }
   for (int i = robot.n_axes(); i < motion.n_axes(); ++i) {
     if (!motion.rests_at_zero(i)) {
-      throw std::invalid_argument("motion: axis " + std::to_string(i + 1) +
-                                  " is braked at 0 rad in "
-                                  "model " +
-                                  std::to_string(robot.model()) +
-                                  "; expected exactly 0 there, got a motion");
+      throw std::invalid_argument("motion of axis " + std::to_string(i + 1) +
+                                  ": expected exactly 0 rad, where model " +
+                                  std::to_string(robot.model()) + " has a brake, got a motion");
     }
   }
 }

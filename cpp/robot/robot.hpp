@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -54,6 +55,8 @@ class Robot {
   // In the order of the state vector.
   const std::vector<StateGroup>& states() const { return states_; }
   int n_states() const;
+  // Where a group begins; n_states() if the robot has no such states.
+  int first_state(std::string_view name) const;
   // Those that Table 4 counts.
   const std::vector<IndicatorGroup>& indicators() const { return indicators_; }
   int n_indicators() const;

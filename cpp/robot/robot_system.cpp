@@ -66,7 +66,7 @@ class RobotSystemOf final : public RobotSystem {
     equations_.derivatives(t, x, motion_.get(), derivatives);
   }
 
-  // --- indicators --------------------------------------------------------------------------------
+  // --- indicators -------------------------------------------------------------------------------
 
   void indicators(double, const double* x, double* z) override {
     std::fill_n(z, n_indicators(), 1.0);
@@ -125,8 +125,7 @@ class RobotSystemOf final : public RobotSystem {
     return motion_ ? motion_->next_knot(t) : hybrid::never;
   }
 
-  // --- decisions
-  // -----------------------------------------------------------------------------------
+  // --- decisions --------------------------------------------------------------------------------
 
   void initialise(double t, double* x) override {
     std::ranges::fill(mode_.branches, 0);
@@ -232,8 +231,7 @@ class RobotSystemOf final : public RobotSystem {
     return mode_.branches[Mode::at(kind, axis)];
   }
 
-  // --- inputs and outputs
-  // ----------------------------------------------------------------------------
+  // --- inputs and outputs -----------------------------------------------------------------------
 
   void set_motor_torque(std::span<const double> torque) override {
     std::ranges::copy(torque, mode_.held.begin());
@@ -308,11 +306,12 @@ class RobotSystemOf final : public RobotSystem {
   }
 
   // A value has reached an edge: it changes the zone if it goes on, and has only touched the edge
-  // if it does not.
+  // if it goes back. With zero rate it has been seen to go on.
   void leave_zone(ElementKind kind, int axis, bool lower_edge, double rate) {
-    const int outside = branch(kind, axis) == 0 ? (lower_edge ? -1 : +1) : branch(kind, axis);
-    if (outside * rate > 0.0) set(kind, axis, outside);
-    if (outside * rate < 0.0) set(kind, axis, 0);
+    const bool inside = branch(kind, axis) == 0;
+    const int outside = inside ? (lower_edge ? -1 : +1) : branch(kind, axis);
+    const bool outward = rate == 0.0 ? inside : outside * rate > 0.0;
+    set(kind, axis, outward ? outside : 0);
   }
 
   // rM, with the friction that holds sticking axes.
@@ -344,11 +343,14 @@ class RobotSystemOf final : public RobotSystem {
   }
 
   // Sets the branches of friction, and rates of sticking axes to exactly zero.
-  void decide_friction(double* x, const Friction& decision) {
+  void decide_friction(double* x, Friction decision) {
     const std::array<bool, N> stuck = equations_.sticking;
     bool rigid_concerned = decision.jump;
     for (int i = 0; i < N; ++i) {
-      if (decision.at_rest[i]) x[equations_.index_of_rate(i)] = 0.0;
+      double& rate = x[equations_.index_of_rate(i)];
+      // After a jump an axis that was about to slide is as good as one that has just stopped.
+      if (decision.jump && !stuck[i] && rate == 0.0) decision.at_rest[i] = true;
+      if (decision.at_rest[i]) rate = 0.0;
       rigid_concerned |= i >= E && (decision.at_rest[i] || decision.released[i]);
     }
     decide_elastic_axes(x, decision, stuck);

@@ -17,13 +17,6 @@
 #endif
 
 namespace manutec_r3::solver {
-namespace {
-
-// CVODE refuses distances near the roundoff of t. Over so short a time Euler's rule is exact.
-constexpr double shortest_size = 1e-12;
-
-}  // namespace
-
 void BackwardDifferencesStep::evaluate(const hybrid::Step& step, double t, double* x) {
   if (t == step.t0) {
     std::copy_n(step.dense.data(), n_, x);
@@ -80,9 +73,8 @@ void BackwardDifferences::advance(double stop, hybrid::Step& step, double* x1) {
   step.dense.assign(n + 1 + (bdf_largest_order + 1) * n, 0.0);
   std::copy_n(x_.data(), n, step.dense.data());
   double* kept = &step.dense[n + 1];
-  int order = 1;
-  const bool too_short = stop - t_ < shortest_size;
-  if (too_short) {
+  if (stop - t_ < shortest_size) {
+    // Over so short a time Euler's rule is exact.
     f_.evaluate(t_, x_.data(), derivative_.data());
     for (int s = 0; s < n; ++s) x1[s] = x_.data()[s] + (stop - t_) * derivative_.data()[s];
     std::copy_n(derivative_.data(), n, kept + n);
@@ -97,6 +89,7 @@ void BackwardDifferences::advance(double stop, hybrid::Step& step, double* x1) {
       throw hybrid::SimulationFailure("steps have become too short to advance the time");
     }
     std::copy_n(x_.data(), n, x1);
+    int order = 0;
     check(CVodeGetLastOrder(cvode_, &order));
     for (int k = 1; k <= order; ++k) {
       check(CVodeGetDky(cvode_, t_, k, derivative_));

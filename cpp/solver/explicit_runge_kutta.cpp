@@ -15,8 +15,6 @@ namespace {
 
 // The first step of a run, if nothing is known: shorter than the fastest time constant here.
 constexpr double first_size = 1e-4;
-// ARKODE refuses distances near the roundoff of t.
-constexpr double shortest_size = 1e-12;
 // Steps may grow as much after a restart as at any other time: a restart is no reason for caution,
 // and a run that is saved and continued takes the same steps.
 constexpr double largest_growth = 20.0;

@@ -16,6 +16,10 @@ namespace manutec_r3::solver {
 
 static_assert(std::is_same_v<sunrealtype, double>, "SUNDIALS must be built in double precision");
 
+// ARKODE and CVODE refuse distances near the roundoff of t; shorter steps than this are taken
+// without them [s].
+inline constexpr double shortest_size = 1e-12;
+
 // One per integrator, so that integrators may run in different threads.
 class Context {
  public:

@@ -34,13 +34,12 @@ def write_npz(path: str | Path, result: Result, scenario: str = "") -> None:
     * ``state_names``, ``state_units`` (n_states,);
     * as texts where it comes from: ``version`` of manutec-r3, ``scenario``, ``method``, ``rtol``.
     """
-    events = {column: np.asarray(getattr(result.events, column)) for column in _EVENT_COLUMNS}
     np.savez(
         path,
         time=result.time,
-        **{signal: getattr(result, signal) for signal in result.signals if signal != "time"},
+        **{signal: getattr(result, signal) for signal in result.signals},
         **{f"branches_{element}": branch for element, branch in result.branches.items()},
-        **{f"event_{c}": v.astype(str) if c == "element" else v for c, v in events.items()},
+        **{f"event_{column}": getattr(result.events, column) for column in _EVENT_COLUMNS},
         state_names=np.array(result.robot.state_names, str),
         state_units=np.array(result.robot.state_units, str),
         version=version("manutec-r3"),

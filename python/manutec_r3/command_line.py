@@ -54,6 +54,8 @@ def run(
     try:
         result = _simulate(experiment, overrides)
     except SimulationError as error:
+        if error.result is None:
+            _fail(error)
         failure, result = error, error.result
     except (TypeError, ValueError) as error:
         _fail(f"{scenario}: {error}")

@@ -18,7 +18,7 @@ class SimulationError(RuntimeError):
     state : ndarray (n_states,)
         The state there.
     branches : dict of str to ndarray (n_axes,)
-        The branch of each element there.
+        The branch of each element there; empty if it could not begin.
     reason : str
         What went wrong, in the words of the solver if it was the solver.
     result : Result or None

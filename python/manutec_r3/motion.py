@@ -111,7 +111,7 @@ class Quintic(Motion):
         return _core.quintic(self.start, self.end, self.duration)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Trapezoid(Motion):
     """Synchronised trapezoid of rates: constant acceleration, rate, deceleration.
 
@@ -150,6 +150,12 @@ class Trapezoid(Motion):
             end=_tuple("end", end, "rad"),
             rate_limit=_tuple("rate", rate, "rad/s"),
             acceleration_limit=_tuple("acceleration", acceleration, "rad/s^2"),
+        )
+
+    def __repr__(self) -> str:
+        return (
+            f"Trapezoid(start={self.start}, end={self.end}, rate={self.rate_limit}, "
+            f"acceleration={self.acceleration_limit})"
         )
 
     @property

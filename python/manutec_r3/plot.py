@@ -35,7 +35,7 @@ def sticking(result: Result, axis: int) -> tuple[np.ndarray, np.ndarray]:
         Exact event times [s], or the ends of the simulation; none in models 1 and 2, whose gears
         are ideal.
     """
-    if result.robot.model in (1, 2):
+    if not result.robot.has_real_gears:
         return np.empty(0), np.empty(0)
     sticks = result.branches["friction"][:, axis - 1] == 0
     edges = np.flatnonzero(np.diff(sticks, prepend=False, append=False))

@@ -29,7 +29,8 @@ class Statistics:
     events : int
         Branches that switched and knots of the reference.
     restarts : int
-        Of the integration: one for all events of an instant, and one for each kink of friction.
+        Of the integration: one for all events of an instant, one for each kink of the friction
+        characteristic, one when a rotor 1 to 3 has clearly broken away (its creep is watched then).
     samples : int
         Of a sampled controller.
     seconds : float
@@ -165,18 +166,13 @@ class Result(Samples):
             raise ValueError(
                 f"times: expected instants from 0 to {self.t_end:g} s, got {t[outside][0]:g} s"
             )
-        return Samples(self._run, t, _step_at(self._run.trajectory.begin, t))
+        return Samples(self._run, t, self._run.trajectory.steps_at(t))
 
     def __repr__(self) -> str:
         return (
             f"<Result of model {self.robot.model}: 0 to {self.t_end:g} s, {len(self)} instants, "
             f"{len(self.events)} events>"
         )
-
-
-def _step_at(begin: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """Index of the step that each instant falls into, the later one where two meet."""
-    return np.maximum(np.searchsorted(begin, t, side="right") - 1, 0)
 
 
 def _instants(
@@ -192,7 +188,7 @@ def _instants(
             t, after = np.append(t, end[-1]), np.append(after, len(end) - 1)
     else:
         t = np.union1d(times, end[before])
-        after = _step_at(begin, t)
+        after = trajectory.steps_at(t)
     # Before an event comes the end of one step, after it the beginning of the next.
     t = np.concatenate((end[before], t))
     step = np.concatenate((before, after))

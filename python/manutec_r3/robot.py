@@ -105,6 +105,11 @@ class Robot:
         return self._compiled.n_axes
 
     @property
+    def has_real_gears(self) -> bool:
+        """Friction on all axes, elasticity and backlash on axes 1 to 3: models 3 and 4."""
+        return self._compiled.has_real_gears
+
+    @property
     def n_states(self) -> int:
         """Order of the dynamic system."""
         return self._compiled.n_states

@@ -67,6 +67,11 @@ def simulate(
         What was wrong (argument, axis, unit), what was expected, what arrived.
     SimulationError
         If the run cannot go on; it carries what was computed so far.
+
+    Notes
+    -----
+    A result keeps every step, about a kilobyte each and two thousand of them per second of robot;
+    a `Simulator` keeps none.
     """
     t_end = number("t_end", t_end, "s")
     if t_end <= 0.0:
@@ -114,7 +119,7 @@ class SavedState:
     """
 
     time: float
-    of: tuple[Robot, Motion | None, Method] = field(repr=False)
+    of: tuple[Robot, Motion | None, Method, float] = field(repr=False)
     core: _core.Snapshot = field(repr=False)
     untold: tuple[Event, ...] = field(repr=False)
 
@@ -316,7 +321,7 @@ class Simulator(Signals):
         """Return everything that the future depends on; give it to `restore`."""
         return SavedState(
             self.time,
-            (self.robot, self.motion, self.method),
+            (self.robot, self.motion, self.method, self.rtol),
             self._compiled.save(),
             tuple(self._untold),
         )
@@ -330,14 +335,15 @@ class Simulator(Signals):
         Raises
         ------
         TypeError, ValueError
-            If this is no saved state, or one of another robot, motion or method.
+            If this is no saved state, or one of another robot, motion, method or rtol.
         """
         if not isinstance(saved, SavedState):
             raise TypeError(f"saved: expected what save() returned, got {saved!r}")
-        if saved.of != (self.robot, self.motion, self.method):
+        if saved.of != (self.robot, self.motion, self.method, self.rtol):
             raise ValueError(
-                f"saved: expected a state of {self.robot}, {self.motion}, method {self.method!r}; "
-                "got one of {}, {}, method {!r}".format(*saved.of)
+                f"saved: expected a state of {self.robot}, {self.motion}, method {self.method!r}, "
+                f"rtol {self.rtol:g}; got one of {saved.of[0]}, {saved.of[1]}, "
+                f"method {saved.of[2]!r}, rtol {saved.of[3]:g}"
             )
         self._compiled.restore(saved.core)
         self._untold = list(saved.untold)

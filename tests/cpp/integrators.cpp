@@ -59,14 +59,11 @@ TEST(TheSolutionInsideAStepBeginsAndEndsWithIt) {
     Step step;
     for (int k = 0; k < 50; ++k) {
       integrator->advance(hybrid::never, step, x1.data());
-      for (const bool end : {false, true}) {
-        integrator->evaluate(step, end ? step.t1 : step.t0, inside.data());
-        for (int s = 0; s < 2; ++s) {
-          // Roundoff of states of order one: the polynomial of BDF is evaluated from the other
-          // end, a Runge-Kutta step is taken again.
-          CHECK_NEAR(inside[s], (end ? x1 : x0)[s], 1e-14);
-        }
-      }
+      integrator->evaluate(step, step.t0, inside.data());
+      CHECK(inside == x0);
+      integrator->evaluate(step, step.t1, inside.data());
+      // Roundoff of states of order one: a Runge-Kutta step is taken again.
+      for (int s = 0; s < 2; ++s) CHECK_NEAR(inside[s], x1[s], 1e-14);
       x0 = x1;
     }
   }
