@@ -17,7 +17,7 @@ R3M2SI = json.loads((Path(__file__).parent / "data" / "r3m2si_cases.json").read_
 
 ROBOTS = [
     r3.Robot(model=model, load=load)
-    for model in (1, 2, 3)
+    for model in (1, 2, 3, 4)
     for load in (r3.Load(), r3.Load(mass=15.0), r3.Load(mass=7.5, position=(0.06, -0.08, 0.2)))
 ]
 
@@ -199,8 +199,34 @@ def test_link_poses_are_rotations_at_the_joints():
     np.testing.assert_allclose(R @ np.swapaxes(R, -1, -2), np.broadcast_to(np.eye(3), R.shape),
                                atol=1e-14)  # fmt: skip
     np.testing.assert_array_equal(poses[:, 0], np.broadcast_to(np.eye(4), (len(poses), 4, 4)))
-    stretched = robot.link_poses(np.zeros(6))[:, :3, 3]
-    np.testing.assert_array_equal(stretched[:, 2], [0, 0, 0, 0.5, 0.5, 1.23, 1.23])
+
+
+@pytest.mark.parametrize("model", [1, 2])
+def test_world_and_frames_of_the_arms(model):
+    robot = r3.Robot(model=model, load=r3.Load(mass=15.0, position=(0.0, 0.0, 0.25)))
+    zero = np.zeros(robot.n_axes)
+    stretched = robot.link_poses(zero)
+    np.testing.assert_array_equal(stretched[:, :3, :3], np.tile(np.eye(3), (7, 1, 1)))
+    # Joints 1 and 2, 3 and 4, 5 and 6 are at one place each, and all above each other.
+    np.testing.assert_array_equal(stretched[:, :2, 3], 0.0)
+    np.testing.assert_array_equal(stretched[:, 2, 3], [0, 0, 0, 0.5, 0.5, 1.23, 1.23])
+    assert robot.load_position(zero) == pytest.approx([0, 0, 1.48], rel=1e-15)  # a sum
+    # A positive angle of axis 2 leans the arm towards -y.
+    leaning = robot.load_position([0, np.pi / 2, *zero[2:]])
+    assert leaning == pytest.approx([0, -1.48, 0], rel=1e-15, abs=1e-15)
+
+
+def test_gears_of_the_arm_alone_are_ideal_in_every_model():
+    p2rJ = np.multiply([105, 210, 60, 99, 79.2, 99], [105, 210, 60, 99, 79.2, 99])
+    p2rJ = p2rJ * [1.3e-3, 1.3e-3, 1.3e-3, 1.6e-4, 1.8e-4, 4.3e-5]
+    for model in (1, 3):
+        M = r3.Robot(model=model).mass_matrix(np.zeros(6))
+        assert np.all(np.diag(M) >= p2rJ * (1.0 - 1e-15))
+    full, simplified = (r3.Robot(model=model).mass_matrix([0.1] * 6) for model in (1, 3))
+    np.testing.assert_allclose(np.diag(full), np.diag(simplified), rtol=4e-15)  # roundoff
+    assert full[0, 1] == pytest.approx(simplified[0, 1], abs=1e-12)  # rotor 2 lies across axis 1
+    # Rotor 3 spins about an axis parallel to joint 2: coupled in model 1 only, p_3 rJ_3.
+    assert full[1, 2] - simplified[1, 2] == pytest.approx(60 * 1.3e-3, rel=1e-10)
 
 
 def test_arrays_of_poses_are_evaluated_row_by_row():

@@ -124,6 +124,25 @@ def test_a_failed_simulation_writes_what_was_computed(command, tmp_path):
         np.testing.assert_array_equal(archive["joint_rate"], [[1e100] * 3])
 
 
+def test_a_simulation_that_fails_on_its_way_is_written_until_then(command, tmp_path):
+    # Axis 2 at 10^8 rad/s throws the light axis 3 back and forth ever faster.
+    (tmp_path / "wild.toml").write_text(f"start = {[0.0] * 4 + [1e8] + [0.0] * 31}\n{SHORT}")
+    done = command("run", "wild.toml")
+    assert done.exit_code == 1
+    assert re.search(
+        "ended at t = .* s: chattering: friction of axis 3 .*; the folder holds",
+        one_line(done.stderr),
+    )
+    with pytest.raises(r3.SimulationError) as failed:
+        r3.Scenario.load("wild.toml").run()
+    until_then = failed.value.result
+    assert 0.0 < until_then.time[-1] < 0.02
+    with np.load(tmp_path / "wild/result.npz") as archive:
+        np.testing.assert_array_equal(archive["time"], until_then.time)
+        np.testing.assert_array_equal(archive["joint_angle"], until_then.joint_angle)
+        assert len(archive["event_time"]) == len(until_then.events) > 0
+
+
 def test_a_simulation_that_cannot_begin_is_one_line(command, tmp_path):
     six_axes = SHORT.replace("model = 4", "model = 3").replace("0.3]", "0.3, 0, 0, 0]")
     start = [0.0] * 11 + [1e300] + [0.0] * 54

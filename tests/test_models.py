@@ -43,10 +43,10 @@ def test_stored_runs_come_from_the_independent_implementation(name, until):
     assert sequence(again.events) == sequence(events)
     assert len(events) >= 3
     # The tolerance of this repetition is a hundred times that of the stored run. Its short steps
-    # keep errors at 6e-15 s and 2e-12 N m: ten times that.
-    assert times_of(again.events) == pytest.approx(times_of(events), rel=0, abs=6e-14)
+    # keep errors at 6e-15 s and 2e-12 N m; other versions of NumPy and SciPy may round otherwise.
+    assert times_of(again.events) == pytest.approx(times_of(events), rel=0, abs=1e-12)
     n = len(again.time)
-    assert again.motor_torque == pytest.approx(expected.motor_torque[:n], rel=0, abs=2e-11)
+    assert again.motor_torque == pytest.approx(expected.motor_torque[:n], rel=0, abs=1e-9)
 
 
 def test_simultaneous_events_are_at_one_instant_in_the_order_of_axes():
@@ -129,14 +129,16 @@ def test_an_input_that_is_set_again_at_one_instant_is_decided_again(at):
         np.testing.assert_array_equal(simulator.branches["friction"], [push, 0, 0, push, 0, 0])
         assert (simulator.joint_acceleration[3] == 0.0) == (push == 0.0)
     np.testing.assert_array_equal(simulator.friction_torque, 0.0)
+    np.testing.assert_array_equal(simulator.joint_acceleration, 0.0)
     simulator.step(0.1)
     np.testing.assert_array_equal(simulator.rotor_rate, 0.0)
 
 
-def test_setting_a_torque_input_does_not_move_the_robot():
+@pytest.mark.parametrize("method", ["erk", "bdf"])
+def test_setting_a_torque_input_does_not_move_the_robot(method):
     robot = r3.Robot(model=3, load=r3.Load(6.0, ECCENTRIC), controller=None)
     start = robot.state_from([0.1, -0.2, 0.3, 0.4, -0.5, 0.6], [1.0, -1.0, 2.0, 1.0, -2.0, 3.0])
-    simulator = r3.Simulator(robot, start=start)
+    simulator = r3.Simulator(robot, method=method, start=start)
     for dt in (0.01, 0.0007, 0.02):  # in the middle of steps of the integrator
         simulator.step(dt)
         before = simulator.state
