@@ -365,12 +365,12 @@ class RobotSystemOf final : public RobotSystem {
       const bool holds = std::abs(driving) <= equations_.friction_of[i].sticking_limit();
       const bool sticks_already = stuck[i] && !decision.at_rest[i];
       if (decision.creeps[i] && !decision.at_rest[i]) {
-        if (holds) come_to_rest(i, x);
+        if (holds) set_friction(i, 0, x);
       } else if (decision.released[i] || (decision.at_rest[i] && !holds) ||
                  (sticks_already && decision.jump && !holds)) {
-        slide(i, sign(driving));
+        set_friction(i, sign(driving), x);
       } else if (decision.at_rest[i]) {
-        come_to_rest(i, x);
+        set_friction(i, 0, x);
       }
     }
   }
@@ -406,21 +406,13 @@ class RobotSystemOf final : public RobotSystem {
     }
     const std::vector<int> branches = consistent_branches(axes);
     for (int k = 0; k < n; ++k) {
-      if (branches[k] == 0) {
-        come_to_rest(resting[k], x);
-      } else {
-        slide(resting[k], branches[k]);
-      }
+      set_friction(resting[k], branches[k], x);
     }
   }
 
-  void come_to_rest(int axis, double* x) {
-    x[equations_.index_of_rate(axis)] = 0.0;
-    slide(axis, 0);
-  }
-
-  // Begin to slide in this direction, or (0) stop doing so.
-  void slide(int axis, int direction) {
+  // An axis begins to slide backward or forward (-1, +1), or sticks (0) from now on.
+  void set_friction(int axis, int direction, double* x) {
+    if (direction == 0) x[equations_.index_of_rate(axis)] = 0.0;
     set(friction, axis, direction);
     set(Mode::friction_piece, axis, 0);
     set(Mode::creep, axis, 0);
