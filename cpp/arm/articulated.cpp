@@ -19,7 +19,7 @@ Vector<6> stacked(const Vector<3>& angular, const Vector<3>& linear) {
 }
 
 Matrix<6> spatial_inertia(const Moments& arm) {
-  const Matrix<3> H = cross_matrix(first_moment(arm));
+  const Matrix<3> H = cross_matrix(as_vector(arm.h));
   Matrix<6> I;
   I << inertia(arm), H, H.transpose(), arm.m * Matrix<3>::Identity();
   return I;
@@ -44,10 +44,10 @@ Vector<N> articulated_forward_dynamics(const Mechanism<N>& mechanism, const Vect
   // Outwards: what the rates do.
   Vector<3> w = Vector<3>::Zero();
   for (int j = 0; j < N; ++j) {
-    const Vector<3> an = unit(six_arms[j].axis);
-    const Vector<3> rn = unit(rotors[j].axis);
-    const Vector<3> r = offset(j);
-    const Matrix<3> R = rotation(six_arms[j].axis, q[j]);
+    const Vector<3> an = unit(joint_axes[j]);
+    const Vector<3> rn = unit(rotor_axes[j]);
+    const Vector<3> r = as_vector(mechanism.offset(j));
+    const Matrix<3> R = rotation(joint_axes[j], q[j]);
     const Vector<3> gyroscopic = mechanism.rotor(j).p_rJ * qd[j] * w.cross(rn);
     if (j > 0) pA[j - 1].template head<3>() += gyroscopic;
 
@@ -59,16 +59,16 @@ Vector<N> articulated_forward_dynamics(const Mechanism<N>& mechanism, const Vect
 
     const Moments& arm = mechanism.arm(j);
     IA[j] = spatial_inertia(arm);
-    pA[j] = stacked(w.cross(inertia(arm) * w), w.cross(w.cross(first_moment(arm))));
+    pA[j] = stacked(w.cross(inertia(arm) * w), w.cross(w.cross(as_vector(arm.h))));
   }
 
   // Inwards: what joint j does once arm j-1 is known, qdd_j = (u_j - U_j^T a_{j-1}) / D_j.
   for (int j = N - 1; j >= 0; --j) {
     const RotorTerms& rotor = mechanism.rotor(j);
-    const int S = component(six_arms[j].axis);
+    const int S = component(joint_axes[j]);
     const Vector<6> p = pA[j] + IA[j] * c[j];
     U[j] = X[j].transpose() * IA[j].col(S);
-    U[j][component(rotors[j].axis)] += rotor.p_rJ;
+    U[j][component(rotor_axes[j])] += rotor.p_rJ;
     D[j] = IA[j](S, S) + rotor.p2_rJ;
     u[j] = tau[j] - p[S];
     if (j == 0) break;
@@ -77,15 +77,17 @@ Vector<N> articulated_forward_dynamics(const Mechanism<N>& mechanism, const Vect
   }
 
   // Outwards: the accelerations. Gravity acts like a base that is accelerated upwards.
-  Vector<6> a = stacked(Vector<3>::Zero(), gravity * unit(Axis::z));
+  Vector<6> a = stacked(Vector<3>::Zero(), mechanism.gravity() * unit(Axis::z));
   for (int j = 0; j < N; ++j) {
     qdd[j] = (u[j] - U[j].dot(a)) / D[j];
     a = X[j] * a + c[j];
-    a[component(six_arms[j].axis)] += qdd[j];
+    a[component(joint_axes[j])] += qdd[j];
   }
   return qdd;
 }
 
+template Vector<1> articulated_forward_dynamics(const Mechanism<1>&, const Vector<1>&,
+                                                const Vector<1>&, const Vector<1>&);
 template Vector<3> articulated_forward_dynamics(const Mechanism<3>&, const Vector<3>&,
                                                 const Vector<3>&, const Vector<3>&);
 template Vector<6> articulated_forward_dynamics(const Mechanism<6>&, const Vector<6>&,

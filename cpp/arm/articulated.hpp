@@ -17,6 +17,8 @@ template <int N>
 Vector<N> articulated_forward_dynamics(const Mechanism<N>& mechanism, const Vector<N>& q,
                                        const Vector<N>& qd, const Vector<N>& tau);
 
+extern template Vector<1> articulated_forward_dynamics(const Mechanism<1>&, const Vector<1>&,
+                                                       const Vector<1>&, const Vector<1>&);
 extern template Vector<3> articulated_forward_dynamics(const Mechanism<3>&, const Vector<3>&,
                                                        const Vector<3>&, const Vector<3>&);
 extern template Vector<6> articulated_forward_dynamics(const Mechanism<6>&, const Vector<6>&,

@@ -46,7 +46,7 @@ struct Composite {
   Wrench bias;
 };
 
-template <int N>
+template <int N, Offsets offsets>
 struct Recursion {
   const Mechanism<N>& mechanism;
   const std::array<Turn, N>& turns;
@@ -55,7 +55,9 @@ struct Recursion {
 
   // Gravity acts like a base that is accelerated upwards, in arm 1 as in the world.
   // Flattened into one function: the recursion is fast if its numbers stay in registers.
-  [[gnu::flatten]] void run() { arm_and_beyond<0>({{0, 0, qd[0]}, {0, 0, 0}, {0, 0, gravity}}); }
+  [[gnu::flatten]] void run() {
+    arm_and_beyond<0>({{0, 0, qd[0]}, {0, 0, 0}, {0, 0, mechanism.gravity()}});
+  }
 
   // Arm j, which moves thus, and those beyond it, in the frame of arm j. Sets their joints' bias,
   // and the columns of M.
@@ -67,17 +69,18 @@ struct Recursion {
 
     if constexpr (constexpr int next = j + 1; next < N) {
       const Composite outer = arm_and_beyond<next>(motion_of<next>(motion, K));
-      composite.moments += seen_from_inner_arm<next>(turns[next], outer.moments);
-      composite.bias += seen_from_inner_arm<next>(turns[next], outer.bias);
+      const Triple& offset = mechanism.offset(next);
+      composite.moments += seen_from_inner_arm<next, offsets>(turns[next], offset, outer.moments);
+      composite.bias += seen_from_inner_arm<next, offsets>(turns[next], offset, outer.bias);
 
       // The rotor of the next joint spins in this arm with p qd.
-      constexpr Axis rn = rotors[next].axis;
+      constexpr Axis rn = rotor_axes[next];
       const double p_rJ = mechanism.rotor(next).p_rJ;
       composite.bias.torque += p_rJ * qd[next] * cross_unit<rn>(motion.w);
       equations.bias[next] += p_rJ * along<rn>(motion.wd);
     }
 
-    constexpr Axis an = six_arms[j].axis;
+    constexpr Axis an = joint_axes[j];
     equations.bias[j] = along<an>(composite.bias.torque);
     set_column<j, j>(unit_acceleration<an>(composite.moments));
     equations.M(j, j) += mechanism.rotor(j).p2_rJ;
@@ -87,22 +90,35 @@ struct Recursion {
   // Arm j at qdd = 0, carried by arm j-1.
   template <int j>
   ArmMotion motion_of(const ArmMotion& inner, const Gradient& K) {
-    constexpr Axis an = six_arms[j].axis;
+    constexpr Axis an = joint_axes[j];
     const Turn back = turns[j].inverse();
     ArmMotion outer = {rotated<j>(back, inner.w), rotated<j>(back, inner.wd),
-                       rotated<j>(back, inner.a + height<j>() * K.z)};
+                       rotated<j>(back, inner.a + lift<j>(K))};
     outer.wd += qd[j] * cross_unit<an>(outer.w);
     along<an>(outer.w) += qd[j];
     return outer;
   }
 
+  // How the place of joint j accelerates against the origin of arm j-1.
+  template <int j>
+  Triple lift(const Gradient& K) const {
+    const Triple& r = mechanism.offset(j);
+    if constexpr (offsets == Offsets::anywhere) {
+      return r.x * K.x + r.y * K.y + r.z * K.z;
+    } else if constexpr (is_displaced(j)) {
+      return r.z * K.z;
+    } else {
+      return {0, 0, 0};
+    }
+  }
+
   // The wrench that unit acceleration of joint j takes, as the joints i = j, j-1, .., 0 feel it.
   template <int i, int j>
   void set_column(const Wrench& wrench) {
-    equations.M(i, j) = equations.M(j, i) = along<six_arms[i].axis>(wrench.torque);
+    equations.M(i, j) = equations.M(j, i) = along<joint_axes[i]>(wrench.torque);
     if constexpr (i > 0) {
-      Wrench inner = seen_from_inner_arm<i>(turns[i], wrench);
-      if constexpr (i == j) along<rotors[j].axis>(inner.torque) += mechanism.rotor(j).p_rJ;
+      Wrench inner = seen_from_inner_arm<i, offsets>(turns[i], mechanism.offset(i), wrench);
+      if constexpr (i == j) along<rotor_axes[j]>(inner.torque) += mechanism.rotor(j).p_rJ;
       set_column<i - 1, j>(inner);
     }
   }
@@ -117,7 +133,11 @@ EquationsOfMotion<N> equations_of_motion(const Mechanism<N>& mechanism, const Ve
   for (int j = 1; j < N; ++j) turns[j] = turn(q[j]);
 
   EquationsOfMotion<N> equations;
-  Recursion<N>{mechanism, turns, qd, equations}.run();
+  if (mechanism.is_upright()) {
+    Recursion<N, Offsets::upright>{mechanism, turns, qd, equations}.run();
+  } else {
+    Recursion<N, Offsets::anywhere>{mechanism, turns, qd, equations}.run();
+  }
   return equations;
 }
 
@@ -130,10 +150,14 @@ Vector<N> forward_dynamics(const Mechanism<N>& mechanism, const Vector<N>& q, co
   return qdd;
 }
 
+template EquationsOfMotion<1> equations_of_motion(const Mechanism<1>&, const Vector<1>&,
+                                                  const Vector<1>&);
 template EquationsOfMotion<3> equations_of_motion(const Mechanism<3>&, const Vector<3>&,
                                                   const Vector<3>&);
 template EquationsOfMotion<6> equations_of_motion(const Mechanism<6>&, const Vector<6>&,
                                                   const Vector<6>&);
+template Vector<1> forward_dynamics(const Mechanism<1>&, const Vector<1>&, const Vector<1>&,
+                                    const Vector<1>&);
 template Vector<3> forward_dynamics(const Mechanism<3>&, const Vector<3>&, const Vector<3>&,
                                     const Vector<3>&);
 template Vector<6> forward_dynamics(const Mechanism<6>&, const Vector<6>&, const Vector<6>&,

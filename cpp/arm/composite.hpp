@@ -38,10 +38,14 @@ template <int N>
 Vector<N> forward_dynamics(const Mechanism<N>& mechanism, const Vector<N>& q, const Vector<N>& qd,
                            const Vector<N>& tau);
 
+extern template EquationsOfMotion<1> equations_of_motion(const Mechanism<1>&, const Vector<1>&,
+                                                         const Vector<1>&);
 extern template EquationsOfMotion<3> equations_of_motion(const Mechanism<3>&, const Vector<3>&,
                                                          const Vector<3>&);
 extern template EquationsOfMotion<6> equations_of_motion(const Mechanism<6>&, const Vector<6>&,
                                                          const Vector<6>&);
+extern template Vector<1> forward_dynamics(const Mechanism<1>&, const Vector<1>&, const Vector<1>&,
+                                           const Vector<1>&);
 extern template Vector<3> forward_dynamics(const Mechanism<3>&, const Vector<3>&, const Vector<3>&,
                                            const Vector<3>&);
 extern template Vector<6> forward_dynamics(const Mechanism<6>&, const Vector<6>&, const Vector<6>&,

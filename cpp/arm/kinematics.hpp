@@ -7,12 +7,27 @@
 
 #include <array>
 
+#include "arm/load.hpp"
+#include "arm/parameters.hpp"
 #include "arm/vector.hpp"
 
 namespace manutec_r3::arm {
 
 // Homogeneous transformations from the frame of arm j to the world, j = 0 (base) to 6; angles
 // [rad], zero for joints that are blocked.
-std::array<Eigen::Matrix4d, 7> link_poses(const Vector<6>& q);
+std::array<Eigen::Matrix4d, 7> link_poses(const Table3& table, const Vector<6>& q);
+
+// Joint torques [N m] of the first N joints that a force on the load does, J^T force; force in the
+// world [N].
+template <int N>
+Vector<N> torques_of_force_on_load(const Table3& table, const Load& load, const Vector<N>& q,
+                                   const Vector<3>& force);
+
+extern template Vector<1> torques_of_force_on_load(const Table3&, const Load&, const Vector<1>&,
+                                                   const Vector<3>&);
+extern template Vector<3> torques_of_force_on_load(const Table3&, const Load&, const Vector<3>&,
+                                                   const Vector<3>&);
+extern template Vector<6> torques_of_force_on_load(const Table3&, const Load&, const Vector<6>&,
+                                                   const Vector<3>&);
 
 }  // namespace manutec_r3::arm

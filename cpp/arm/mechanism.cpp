@@ -4,48 +4,78 @@
 namespace manutec_r3::arm {
 namespace {
 
-// The recursions take the joint of the lumped arm from `six_arms`.
-static_assert(lumped_arm_3.axis == six_arms[2].axis);
-static_assert(lumped_arm_3.offset == six_arms[2].offset);
-
-Moments moments(const Load& load) { return point_mass(load.mass, load.position); }
-
-RotorTerms rotor_terms(int j, double p, RotorCoupling coupling) {
-  const double rJ = rotors[j].inertia;
+RotorTerms rotor_terms(int j, double rJ, double p, RotorCoupling coupling) {
   // Rotor 1 sits in the base, which rests: there is nothing to couple it with.
   const bool carried = coupling == RotorCoupling::full && j > 0;
   const bool separate = coupling == RotorCoupling::separate;
   return {carried ? p * rJ : 0, separate ? 0 : p * p * rJ};
 }
 
+template <int N>
+Moments moments_of_load(const Table3& table, const Load& load) {
+  return point_mass(load.mass, load_in_last_arm<N>(table, load));
+}
+
+// The body of arm j in the frame of arm `frame`, joints between them at zero.
+Moments body_seen_from(const Table3& table, int frame, int j) {
+  Body body = table.arms[j].body;
+  for (int i = frame + 1; i <= j; ++i) {
+    for (int k = 0; k < 3; ++k) body.centre[k] += table.arms[i].offset[k];
+  }
+  return moments(body);
+}
+
 }  // namespace
 
 template <int N>
-Mechanism<N>::Mechanism(const std::array<Moments, N>& arms, const std::array<double, N>& gear_ratio,
-                        const std::array<RotorCoupling, N>& coupling)
-    : arms_(arms) {
-  for (int j = 0; j < N; ++j) rotors_[j] = rotor_terms(j, gear_ratio[j], coupling[j]);
+Mechanism<N>::Mechanism(const Table3& table, const std::array<Moments, N>& arms,
+                        const std::array<double, 6>& gear_ratio,
+                        const std::array<RotorCoupling, 6>& coupling)
+    : arms_(arms), is_upright_(true), gravity_(table.gravity) {
+  for (int j = 0; j < N; ++j) {
+    const auto [x, y, z] = table.arms[j].offset;
+    offsets_[j] = {x, y, z};
+    is_upright_ = is_upright_ && x == 0 && y == 0 && (z == 0 || j == 2 || j == 4);
+    rotors_[j] = rotor_terms(j, table.rotor_inertia[j], gear_ratio[j], coupling[j]);
+  }
 }
 
-Mechanism<6> six_arm_mechanism(const Load& load, const std::array<double, 6>& gear_ratio,
+Mechanism<6> six_arm_mechanism(const Table3& table, const Load& load,
+                               const std::array<double, 6>& gear_ratio,
                                const std::array<RotorCoupling, 6>& coupling) {
   std::array<Moments, 6> arms;
-  for (int j = 0; j < 6; ++j) arms[j] = moments(six_arms[j].body);
-  arms[5] += moments(load);
-  return {arms, gear_ratio, coupling};
+  for (int j = 0; j < 6; ++j) arms[j] = moments(table.arms[j].body);
+  arms[5] += moments_of_load<6>(table, load);
+  return {table, arms, gear_ratio, coupling};
 }
 
-Mechanism<3> lumped_mechanism(const Load& load, const std::array<double, 3>& gear_ratio,
-                              const std::array<RotorCoupling, 3>& coupling) {
-  Load above_joint_3 = load;
-  above_joint_3.position[2] += h5_distance;
-
-  std::array<Moments, 3> arms = {moments(six_arms[0].body), moments(six_arms[1].body),
-                                 moments(lumped_arm_3.body)};
-  arms[2] += moments(above_joint_3);
-  return {arms, gear_ratio, coupling};
+Mechanism<3> lumped_mechanism(const Table3& table, const Load& load,
+                              const std::array<double, 6>& gear_ratio,
+                              const std::array<RotorCoupling, 6>& coupling) {
+  Table3 lumped = table;
+  lumped.arms[2] = table.lumped_arm_3;
+  std::array<Moments, 3> arms;
+  for (int j = 0; j < 3; ++j) arms[j] = moments(lumped.arms[j].body);
+  arms[2] += moments_of_load<3>(table, load);
+  return {lumped, arms, gear_ratio, coupling};
 }
 
+Mechanism<3> blocked_mechanism(const Table3& table, const Load& load,
+                               const std::array<double, 6>& gear_ratio,
+                               const std::array<RotorCoupling, 6>& coupling) {
+  std::array<Moments, 3> arms;
+  for (int j = 0; j < 3; ++j) arms[j] = moments(table.arms[j].body);
+  for (int j = 3; j < 6; ++j) arms[2] += body_seen_from(table, 2, j);
+  arms[2] += moments_of_load<3>(table, load);
+  return {table, arms, gear_ratio, coupling};
+}
+
+Mechanism<1> one_arm_mechanism(const Table3& table, const std::array<double, 6>& gear_ratio,
+                               const std::array<RotorCoupling, 6>& coupling) {
+  return {table, {moments(table.arms[0].body)}, gear_ratio, coupling};
+}
+
+template class Mechanism<1>;
 template class Mechanism<3>;
 template class Mechanism<6>;
 

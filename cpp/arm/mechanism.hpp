@@ -4,8 +4,8 @@
 //
 //   M(q) qdd + bias(q, qd) = tau
 //
-// Axes and offsets of the joints are the same in every variant of the robot and are read from
-// `six_arms` at compile time; only masses and rotors vary.
+// The axes of the joints are the same in every variant of the robot and known at compile time;
+// masses, offsets of joints and rotors vary.
 #pragma once
 
 #include <array>
@@ -29,31 +29,63 @@ struct RotorTerms {
   double p2_rJ;  // p^2 rJ, felt by its own joint; 0 if separate
 };
 
-// N moving arms: 6, or 3 with the joints of the wrist blocked. A value that nothing changes.
+// N moving arms: 6, or 3 with the joints of the wrist blocked, or 1. A value that nothing changes.
 template <int N>
 class Mechanism {
  public:
-  Mechanism(const std::array<Moments, N>& arms, const std::array<double, N>& gear_ratio,
-            const std::array<RotorCoupling, N>& coupling);
+  // `table` for the offsets of the joints and gravity; moments about the origin of each arm's
+  // frame, the last with the load.
+  Mechanism(const Table3& table, const std::array<Moments, N>& arms,
+            const std::array<double, 6>& gear_ratio, const std::array<RotorCoupling, 6>& coupling);
 
-  // Moments about the origin of the arm's frame; the last arm contains the load.
   const Moments& arm(int j) const { return arms_[j]; }
+  // Where joint j is in the frame of arm j-1 [m].
+  const Triple& offset(int j) const { return offsets_[j]; }
+  // Whether only joints 3 and 5 are displaced, along z, as the report's are.
+  bool is_upright() const { return is_upright_; }
+  double gravity() const { return gravity_; }
 
   const RotorTerms& rotor(int j) const { return rotors_[j]; }
 
  private:
   std::array<Moments, N> arms_;
+  std::array<Triple, N> offsets_;
+  bool is_upright_;
+  double gravity_;
   std::array<RotorTerms, N> rotors_;
 };
 
-// Models 1 and 3.
-Mechanism<6> six_arm_mechanism(const Load& load, const std::array<double, 6>& gear_ratio,
+// Models 1 and 3, and the Modelica variant.
+Mechanism<6> six_arm_mechanism(const Table3& table, const Load& load,
+                               const std::array<double, 6>& gear_ratio,
                                const std::array<RotorCoupling, 6>& coupling);
 
-// Models 2 and 4: arms 3 to 6 are the lumped arm 3.
-Mechanism<3> lumped_mechanism(const Load& load, const std::array<double, 3>& gear_ratio,
-                              const std::array<RotorCoupling, 3>& coupling);
+// Models 2 and 4: arms 3 to 6 are the lumped arm 3, from which the load is as far as from arm 3 of
+// the six.
+Mechanism<3> lumped_mechanism(const Table3& table, const Load& load,
+                              const std::array<double, 6>& gear_ratio,
+                              const std::array<RotorCoupling, 6>& coupling);
 
+// The same with the data of all six arms, joints 4 to 6 at zero.
+Mechanism<3> blocked_mechanism(const Table3& table, const Load& load,
+                               const std::array<double, 6>& gear_ratio,
+                               const std::array<RotorCoupling, 6>& coupling);
+
+// Arm 1 alone.
+Mechanism<1> one_arm_mechanism(const Table3& table, const std::array<double, 6>& gear_ratio,
+                               const std::array<RotorCoupling, 6>& coupling);
+
+// Where the load is in the frame of the last of N moving arms, the others at zero [m].
+template <int N>
+std::array<double, 3> load_in_last_arm(const Table3& table, const Load& load) {
+  std::array<double, 3> position = load.position;
+  for (int j = N; j < n_axes; ++j) {
+    for (int k = 0; k < 3; ++k) position[k] += table.arms[j].offset[k];
+  }
+  return position;
+}
+
+extern template class Mechanism<1>;
 extern template class Mechanism<3>;
 extern template class Mechanism<6>;
 

@@ -19,8 +19,6 @@ Moments point_mass(double mass, const std::array<double, 3>& position) {
   return {mass, h, {h.x * x, h.y * y, h.z * z, h.x * y, h.x * z, h.y * z}};
 }
 
-Vector<3> first_moment(const Moments& body) { return {body.h.x, body.h.y, body.h.z}; }
-
 Matrix<3> inertia(const Moments& body) {
   const SymmetricTensor& J = body.J;
   Matrix<3> I;

@@ -40,9 +40,6 @@ Moments moments(const Body& body);
 
 Moments point_mass(double mass, const std::array<double, 3>& position);
 
-// h as a vector of Eigen.
-Vector<3> first_moment(const Moments& body);
-
 // I = trace(J) 1 - J, about the origin.
 Matrix<3> inertia(const Moments& body);
 

@@ -18,40 +18,42 @@ Vector<N> inverse_dynamics(const Mechanism<N>& mechanism, const Vector<N>& q, co
   // Gravity acts like a base that is accelerated upwards.
   Vector<3> w = Vector<3>::Zero();
   Vector<3> wd = Vector<3>::Zero();
-  Vector<3> a = gravity * unit(Axis::z);
+  Vector<3> a = mechanism.gravity() * unit(Axis::z);
 
   for (int j = 0; j < N; ++j) {
     // The rotor, carried by arm j-1, spins at p qd; the arms contain it frozen.
     const RotorTerms& rotor = mechanism.rotor(j);
-    const Vector<3> rn = unit(rotors[j].axis);
+    const Vector<3> rn = unit(rotor_axes[j]);
     tau[j] = rotor.p2_rJ * qdd[j] + rotor.p_rJ * rn.dot(wd);
     if (j > 0) torque[j - 1] += rotor.p_rJ * (qdd[j] * rn + qd[j] * w.cross(rn));
 
-    const Vector<3> an = unit(six_arms[j].axis);
-    const Vector<3> r = offset(j);
-    R[j] = rotation(six_arms[j].axis, q[j]);
+    const Vector<3> an = unit(joint_axes[j]);
+    const Vector<3> r = as_vector(mechanism.offset(j));
+    R[j] = rotation(joint_axes[j], q[j]);
     a = R[j].transpose() * (a + wd.cross(r) + w.cross(w.cross(r)));
     w = R[j].transpose() * w;
     wd = R[j].transpose() * wd + w.cross(an) * qd[j] + an * qdd[j];
     w += an * qd[j];
 
     const Moments& arm = mechanism.arm(j);
-    const Vector<3> h = first_moment(arm);
+    const Vector<3> h = as_vector(arm.h);
     const Matrix<3> I = inertia(arm);
     force[j] = arm.m * a + wd.cross(h) + w.cross(w.cross(h));
     torque[j] = I * wd + w.cross(I * w) + h.cross(a);
   }
 
   for (int j = N - 1; j >= 0; --j) {
-    tau[j] += torque[j][component(six_arms[j].axis)];
+    tau[j] += torque[j][component(joint_axes[j])];
     if (j == 0) break;
     const Vector<3> f = R[j] * force[j];
     force[j - 1] += f;
-    torque[j - 1] += R[j] * torque[j] + offset(j).cross(f);
+    torque[j - 1] += R[j] * torque[j] + as_vector(mechanism.offset(j)).cross(f);
   }
   return tau;
 }
 
+template Vector<1> inverse_dynamics(const Mechanism<1>&, const Vector<1>&, const Vector<1>&,
+                                    const Vector<1>&);
 template Vector<3> inverse_dynamics(const Mechanism<3>&, const Vector<3>&, const Vector<3>&,
                                     const Vector<3>&);
 template Vector<6> inverse_dynamics(const Mechanism<6>&, const Vector<6>&, const Vector<6>&,

@@ -16,6 +16,8 @@ template <int N>
 Vector<N> inverse_dynamics(const Mechanism<N>& mechanism, const Vector<N>& q, const Vector<N>& qd,
                            const Vector<N>& qdd);
 
+extern template Vector<1> inverse_dynamics(const Mechanism<1>&, const Vector<1>&, const Vector<1>&,
+                                           const Vector<1>&);
 extern template Vector<3> inverse_dynamics(const Mechanism<3>&, const Vector<3>&, const Vector<3>&,
                                            const Vector<3>&);
 extern template Vector<6> inverse_dynamics(const Mechanism<6>&, const Vector<6>&, const Vector<6>&,

@@ -1,7 +1,8 @@
 // What the frames of neighbouring arms say to each other, at the price of plane rotations.
 //
-// Joint j turns arm j about the x or z axis of arm j-1, and its offset, if any, points along z
-// (spec 2, spec 3): a vector changes in two components only. Which two is known at compile time.
+// Joint j turns arm j about the x or z axis of arm j-1 (spec 2, spec 3): a vector changes in two
+// components only. Which two is known at compile time, and so is where joints are displaced, if the
+// arms are the report's.
 #pragma once
 
 #include <cmath>
@@ -21,12 +22,14 @@ struct Turn {
 
 inline Turn turn(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
-// How far joint j is above the origin of arm j-1.
-template <int j>
-constexpr double height() {
-  static_assert(six_arms[j].offset[0] == 0 && six_arms[j].offset[1] == 0);
-  return six_arms[j].offset[2];
-}
+// Where joints may be displaced from the origin of the arm that carries them.
+enum class Offsets {
+  upright,   // joints 3 and 5 along z, as in the report
+  anywhere,  // each joint in every direction
+};
+
+// Whether joint j of the report is displaced.
+constexpr bool is_displaced(int j) { return j == 2 || j == 4; }
 
 // Torque about the origin of an arm's frame, and force.
 struct Wrench {
@@ -62,7 +65,7 @@ inline void rotate(const Turn& turn, double& uu, double& vv, double& uv) {
 // From arm j to arm j-1, about the same point.
 template <int j>
 Triple rotated(const Turn& turn, Triple v) {
-  if constexpr (six_arms[j].axis == Axis::x) {
+  if constexpr (joint_axes[j] == Axis::x) {
     rotate(turn, v.y, v.z);
   } else {
     rotate(turn, v.x, v.y);
@@ -70,35 +73,62 @@ Triple rotated(const Turn& turn, Triple v) {
   return v;
 }
 
-template <int j>
-Moments seen_from_inner_arm(const Turn& turn, const Moments& outer) {
+// What is known about the origin of arm j becomes known about the origin of arm j-1, r below it:
+// r -> r' + r in h = integral r' dm and J = integral r' r'^T dm.
+template <int j, Offsets offsets>
+void shift(const Triple& r, Moments& body) {
+  auto& [m, h, J] = body;
+  if constexpr (offsets == Offsets::upright) {
+    if constexpr (is_displaced(j)) {
+      J.xz += r.z * h.x;
+      J.yz += r.z * h.y;
+      J.zz += r.z * (2 * h.z + r.z * m);
+      h.z += r.z * m;
+    }
+  } else {
+    const Triple middle = h + (0.5 * m) * r;
+    J.xx += 2 * r.x * middle.x;
+    J.yy += 2 * r.y * middle.y;
+    J.zz += 2 * r.z * middle.z;
+    J.xy += r.x * middle.y + r.y * middle.x;
+    J.xz += r.x * middle.z + r.z * middle.x;
+    J.yz += r.y * middle.z + r.z * middle.y;
+    h += m * r;
+  }
+}
+
+template <int j, Offsets offsets>
+void shift(const Triple& r, Wrench& wrench) {
+  if constexpr (offsets == Offsets::upright) {
+    if constexpr (is_displaced(j)) {
+      wrench.torque.x -= r.z * wrench.force.y;
+      wrench.torque.y += r.z * wrench.force.x;
+    }
+  } else {
+    wrench.torque += cross(r, wrench.force);
+  }
+}
+
+template <int j, Offsets offsets>
+Moments seen_from_inner_arm(const Turn& turn, const Triple& offset, const Moments& outer) {
   Moments inner = outer;
   inner.h = rotated<j>(turn, outer.h);
   SymmetricTensor& J = inner.J;
-  if constexpr (six_arms[j].axis == Axis::x) {
+  if constexpr (joint_axes[j] == Axis::x) {
     rotate(turn, J.xy, J.xz);
     rotate(turn, J.yy, J.zz, J.yz);
   } else {
     rotate(turn, J.xz, J.yz);
     rotate(turn, J.xx, J.yy, J.xy);
   }
-  // r -> r + l e_z in h = integral r dm and J = integral r r^T dm.
-  if constexpr (constexpr double l = height<j>(); l != 0) {
-    J.xz += l * inner.h.x;
-    J.yz += l * inner.h.y;
-    J.zz += l * (2 * inner.h.z + l * inner.m);
-    inner.h.z += l * inner.m;
-  }
+  shift<j, offsets>(offset, inner);
   return inner;
 }
 
-template <int j>
-Wrench seen_from_inner_arm(const Turn& turn, const Wrench& outer) {
+template <int j, Offsets offsets>
+Wrench seen_from_inner_arm(const Turn& turn, const Triple& offset, const Wrench& outer) {
   Wrench inner = {rotated<j>(turn, outer.torque), rotated<j>(turn, outer.force)};
-  if constexpr (constexpr double l = height<j>(); l != 0) {
-    inner.torque.x -= l * inner.force.y;
-    inner.torque.y += l * inner.force.x;
-  }
+  shift<j, offsets>(offset, inner);
   return inner;
 }
 

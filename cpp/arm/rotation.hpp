@@ -32,7 +32,4 @@ inline Matrix<3> cross_matrix(const Vector<3>& v) {
   return V;
 }
 
-// Place of joint j in the frame of arm j-1, the same in every variant of the robot.
-inline Vector<3> offset(int j) { return Vector<3>::Map(six_arms[j].offset.data()); }
-
 }  // namespace manutec_r3::arm

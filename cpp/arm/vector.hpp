@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>  // cross products
 
+#include "arm/triple.hpp"
+
 namespace manutec_r3::arm {
 
 template <int N>
@@ -11,5 +13,7 @@ using Vector = Eigen::Matrix<double, N, 1>;
 
 template <int N>
 using Matrix = Eigen::Matrix<double, N, N>;
+
+inline Vector<3> as_vector(const Triple& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace manutec_r3::arm

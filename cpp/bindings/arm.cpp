@@ -67,12 +67,13 @@ Array mass_matrix(const Robot& robot, const Array& q) {
 }
 
 // Poses of the world and of all six arms for angles (n, 6).
-Array link_poses(const Array& q) {
+Array link_poses(const Robot& robot, const Array& q) {
   using RowMajor = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
   Array result({q.shape(0), py::ssize_t{7}, py::ssize_t{4}, py::ssize_t{4}});
+  const arm::Table3& table = robot.tables().table_3;
   double* next = result.mutable_data();
   for (py::ssize_t k = 0; k < q.shape(0); ++k) {
-    for (const Eigen::Matrix4d& pose : arm::link_poses(row<6>(q, k))) {
+    for (const Eigen::Matrix4d& pose : arm::link_poses(table, row<6>(q, k))) {
       Eigen::Map<RowMajor>{next} = pose;
       next += pose.size();
     }

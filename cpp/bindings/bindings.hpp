@@ -32,6 +32,7 @@ inline Array as_array(std::span<const double> values) {
 
 void register_tables(py::module_& module);
 void register_motion(py::module_& module);
+void register_inputs(py::module_& module);
 void register_robot(py::module_& module);
 void register_arm(py::module_& module);
 void register_simulator(py::module_& module);

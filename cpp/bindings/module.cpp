@@ -6,6 +6,7 @@ PYBIND11_MODULE(_core, module) {
   using namespace manutec_r3::bindings;
   register_tables(module);
   register_motion(module);
+  register_inputs(module);
   register_robot(module);
   register_arm(module);
   register_simulator(module);

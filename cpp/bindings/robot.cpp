@@ -7,18 +7,13 @@
 #include <string>
 
 #include "bindings/bindings.hpp"
+#include "bindings/robot_options.hpp"
 #include "robot/start.hpp"
 
 namespace manutec_r3::bindings {
 namespace {
 
 using robot::Robot;
-
-robot::Controller controller_named(const std::optional<std::string>& name) {
-  if (!name) return robot::Controller::none;
-  if (*name == "continuous") return robot::Controller::continuous;
-  throw std::invalid_argument("controller: expected 'continuous' or None, got '" + *name + "'");
-}
 
 robot::Start start_named(const std::string& name) {
   if (name == "rotor") return robot::Start::rotor;
@@ -47,17 +42,35 @@ py::list indicator_groups(const Robot& robot) {
 }  // namespace
 
 void register_robot(py::module_& module) {
-  module.def("check_load", [](double mass, const std::array<double, 3>& position, bool bounds) {
-    arm::check({.mass = mass, .position = position, .bounds = bounds});
+  py::class_<arm::Load>(module, "Load")
+      .def(py::init([](double mass, const std::array<double, 3>& position, bool bounds) {
+        const arm::Load load{.mass = mass, .position = position, .bounds = bounds};
+        arm::check(load);
+        return load;
+      }))
+      .def_readonly("mass", &arm::Load::mass)
+      .def_readonly("position", &arm::Load::position)
+      .def_readonly("bounds", &arm::Load::bounds);
+  module.def("default_load",
+             [](const py::object& model) { return robot::default_load(model_named(model)); });
+  module.def("default_start", [](const Robot& robot) {
+    return robot::default_start(robot.model()) == robot::Start::arm ? "arm" : "rotor";
   });
 
   py::class_<Robot, std::shared_ptr<Robot>>(module, "Robot")
-      .def(py::init([](int model, double mass, const std::array<double, 3>& position, bool bounds,
-                       const std::optional<std::string>& controller) {
-        const arm::Load load{.mass = mass, .position = position, .bounds = bounds};
-        return std::make_shared<Robot>(model, load, controller_named(controller));
+      .def(py::init([](const py::object& model, const arm::Load& load, const py::dict& options,
+                       const py::dict& tables) {
+        const robot::Model named = model_named(model);
+        return std::make_shared<Robot>(named, load, options_from(options, named),
+                                       tables_from(tables, named));
       }))
+      .def("__eq__", [](const Robot& a, const Robot& b) { return a == b; })
+      .def_property_readonly(
+          "options", [](const Robot& robot) { return as_dict(robot.options(), robot.model()); })
+      .def_property_readonly(
+          "tables", [](const Robot& robot) { return as_dict(robot.tables(), robot.model()); })
       .def_property_readonly("n_axes", &Robot::n_axes)
+      .def_property_readonly("n_elastic", &Robot::n_elastic)
       .def_property_readonly("has_real_gears", &Robot::has_real_gears)
       .def_property_readonly("n_states", &Robot::n_states)
       .def_property_readonly("n_indicators", &Robot::n_indicators)

@@ -26,13 +26,15 @@ constexpr std::chrono::milliseconds look_up_interval(50);
 
 class Simulator {
  public:
-  Simulator(std::shared_ptr<const Robot> robot, std::shared_ptr<const motion::Motion> motion,
-            const Array& start, double rtol, solver::Method method, bool record)
+  Simulator(std::shared_ptr<const Robot> robot, const robot::Inputs& inputs, const Array& start,
+            double rtol, solver::Method method, bool record, bool list_samples)
       : trajectory_(std::make_shared<hybrid::Trajectory>()),
-        system_(make_system(std::move(robot), std::move(motion))),
+        system_(make_system(std::move(robot), inputs)),
         integrator_(make_integrator(method, *system_, rtol)),
         simulation_(*system_, *integrator_, 0.0, as_vector(start),
-                    record ? trajectory_.get() : nullptr) {}
+                    record ? trajectory_.get() : nullptr,
+                    list_samples ? hybrid::Simulation::Routine::listed
+                                 : hybrid::Simulation::Routine::counted) {}
 
   void advance(double target, bool stop_at_event, bool include_target, const py::object& progress) {
     auto latest = std::chrono::steady_clock::now();
@@ -51,9 +53,20 @@ class Simulator {
         include_target ? Simulation::Target::included : Simulation::Target::excluded, look_up);
   }
 
-  void set_motor_torque(const Array& torque) {
-    simulation_.change_input([&] { system_->set_motor_torque(as_span(torque)); });
+  void set_input(const Array& values) {
+    simulation_.change_input([&] { system_->set_input(as_span(values)); });
   }
+  void set_tip_force(const std::array<double, 3>& force) {
+    simulation_.change_input([&] { system_->set_tip_force(force); });
+  }
+  void set_brakes(const std::vector<bool>& on) {
+    const std::vector<double> x = simulation_.state();
+    system_->check_brakes(on, x.data());
+    simulation_.change_input([&] { system_->set_brakes(on); });
+  }
+  std::vector<bool> brakes() const { return system_->brakes(); }
+  Array input() const { return as_array(system_->input()); }
+  Array tip_force() const { return as_array(system_->tip_force()); }
 
   double time() const { return simulation_.time(); }
   Array state() { return as_array(simulation_.state()); }
@@ -100,6 +113,8 @@ class Simulator {
     counts["rejected_steps"] = statistics.work.rejected_steps;
     counts["events"] = statistics.events;
     counts["restarts"] = statistics.restarts;
+    counts["samples"] = statistics.routine_events;
+    counts["sample_evaluations"] = statistics.routine_evaluations;
     return counts;
   }
 
@@ -138,10 +153,15 @@ void register_simulator(py::module_& module) {
   py::class_<hybrid::Simulation::Snapshot>(module, "Snapshot");
 
   py::class_<Simulator>(module, "Simulator")
-      .def(py::init<std::shared_ptr<const Robot>, std::shared_ptr<const motion::Motion>,
-                    const Array&, double, solver::Method, bool>())
+      .def(py::init<std::shared_ptr<const Robot>, const robot::Inputs&, const Array&, double,
+                    solver::Method, bool, bool>())
       .def("advance", &Simulator::advance)
-      .def("set_motor_torque", &Simulator::set_motor_torque)
+      .def("set_input", &Simulator::set_input)
+      .def("set_tip_force", &Simulator::set_tip_force)
+      .def("set_brakes", &Simulator::set_brakes)
+      .def_property_readonly("brakes", &Simulator::brakes)
+      .def_property_readonly("input", &Simulator::input)
+      .def_property_readonly("tip_force", &Simulator::tip_force)
       .def_property_readonly("time", &Simulator::time)
       .def_property_readonly("state", &Simulator::state)
       .def_property_readonly("signals", &Simulator::signals)

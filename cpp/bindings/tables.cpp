@@ -1,103 +1,161 @@
-// Tables 1 to 3 as Python dictionaries, read from where the core has them.
+// The tables of a robot as Python dictionaries, and back. Each row has one entry per axis.
+#include "robot/tables.hpp"
+
 #include <pybind11/stl.h>
 
 #include <algorithm>
 #include <array>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "arm/parameters.hpp"
 #include "bindings/bindings.hpp"
-#include "drive/parameters.hpp"
+#include "bindings/robot_options.hpp"
 
 namespace manutec_r3::bindings {
 namespace {
 
-py::dict controllers_and_motors() {
-  namespace d = drive;
-  py::dict table;
-  table["K_V"] = d::K_V;
-  table["K_D"] = d::K_D;
-  table["K_S"] = d::K_S;
-  table["T_0"] = d::T_0;
-  table["T_e"] = d::T_e;
-  table["T_a"] = d::T_a;
-  table["T_b"] = d::T_b;
-  table["K_T"] = d::K_T;
-  table["w_p"] = d::w_p;
-  table["D_p"] = d::D_p;
-  table["w_e"] = d::w_e;
-  table["K_M"] = d::K_M;
-  table["w_i"] = d::w_i;
-  table["D_i"] = d::D_i;
-  table["a"] = d::dead_zone_half_width;
-  table["b"] = d::torque_limit;
-  table["rF_max"] = d::largest_torque;
-  table["rF_nom"] = d::nominal_torque;
-  table["rotor_rate_max"] = d::largest_rotor_rate;
-  table["p"] = d::gear_ratio;
-  table["T"] = d::sampling_time;
-  return table;
-}
+using arm::Axis;
+using drive::FrictionPoints;
 
-py::dict rotors_and_gears() {
-  namespace d = drive;
-  py::dict table;
-  table["b"] = d::backlash_half_width;
-  table["c"] = d::stiffness;
-  table["d"] = d::damping;
-  py::list sticking_limits, characteristics;
-  for (const d::FrictionCharacteristic& friction : d::friction) {
-    sticking_limits.append(friction.sticking_limit);
-    py::list points;
-    for (int k = 0; k < friction.n_points; ++k) {
-      points.append(py::make_tuple(friction.points[k].rate, friction.points[k].torque));
-    }
-    characteristics.append(py::tuple(points));
+const char* letter(Axis axis) { return axis == Axis::x ? "x" : "z"; }
+
+// --- to Python ----------------------------------------------------------------------------------
+
+py::object entry(double value) { return py::float_(value); }
+
+py::object entry(const FrictionPoints& points) {
+  py::list pairs;
+  for (const drive::FrictionPoint& point : points) {
+    pairs.append(py::make_tuple(point.rate, point.torque));
   }
-  table["rM_h"] = py::tuple(sticking_limits);
-  table["friction"] = py::tuple(characteristics);
-  return table;
+  return py::tuple(pairs);
 }
 
-py::dict as_dict(const arm::Arm& arm) {
-  py::dict entry;
-  entry["axis"] = arm.axis == arm::Axis::x ? "x" : "z";
-  entry["offset"] = arm.offset;
-  entry["mass"] = arm.body.mass;
-  entry["centre_of_mass"] = arm.body.centre;
-  entry["I11"] = arm.body.I11;
-  entry["I22"] = arm.body.I22;
-  entry["I33"] = arm.body.I33;
-  entry["I13"] = arm.body.I13;
-  return entry;
+py::object entry(const arm::Arm& arm) {
+  py::dict entries;
+  entries["offset"] = py::tuple(py::cast(arm.offset));
+  entries["mass"] = arm.body.mass;
+  entries["centre_of_mass"] = py::tuple(py::cast(arm.body.centre));
+  entries["I11"] = arm.body.I11;
+  entries["I22"] = arm.body.I22;
+  entries["I33"] = arm.body.I33;
+  entries["I13"] = arm.body.I13;
+  return entries;
 }
 
-py::dict multibody() {
-  py::dict table;
-  py::list arms, inertias, axes;
-  for (const arm::Arm& arm : arm::six_arms) arms.append(as_dict(arm));
-  for (const arm::Rotor& rotor : arm::rotors) {
-    inertias.append(rotor.inertia);
-    axes.append(rotor.axis == arm::Axis::x ? "x" : "z");
+// The first entries of a row; robots of one axis have one.
+template <class Value, std::size_t size>
+py::object as_python(const std::array<Value, size>& row, int n_columns) {
+  py::list entries;
+  const int n = std::min(n_columns, static_cast<int>(size));
+  for (int i = 0; i < n; ++i) entries.append(entry(row[i]));
+  return py::tuple(entries);
+}
+
+py::object as_python(double value, int) { return py::float_(value); }
+
+template <class Table>
+py::dict as_dict(const Table& table, int n_columns) {
+  py::dict rows;
+  Table::for_each_row(table, [&](const char* symbol, const char*, drive::Sign, const auto& row) {
+    rows[symbol] = as_python(row, n_columns);
+  });
+  return rows;
+}
+
+py::dict as_dict(const arm::Table3& table, int n_columns, bool has_lumped_arm) {
+  py::dict rows;
+  py::list arms, axes;
+  for (int j = 0; j < std::min(n_columns, arm::n_axes); ++j) {
+    py::dict arm = entry(table.arms[j]);
+    arm["axis"] = letter(arm::joint_axes[j]);
+    arms.append(arm);
+    axes.append(letter(arm::rotor_axes[j]));
   }
-  table["arms"] = py::tuple(arms);
-  table["lumped_arm_3"] = as_dict(arm::lumped_arm_3);
-  table["rJ"] = py::tuple(inertias);
-  table["rn"] = py::tuple(axes);
-  table["joint_limits"] = arm::joint_limits;
-  table["gravity"] = arm::gravity;
-  table["shoulder_height"] = arm::shoulder_height;
-  return table;
+  rows["arms"] = py::tuple(arms);
+  if (has_lumped_arm) {
+    py::dict arm = entry(table.lumped_arm_3);
+    arm["axis"] = letter(arm::joint_axes[2]);
+    rows["lumped_arm_3"] = arm;
+  }
+  rows["rJ"] = as_python(table.rotor_inertia, n_columns);
+  rows["rn"] = py::tuple(axes);
+  rows["joint_limits"] = as_python(table.joint_limits, n_columns);
+  rows["gravity"] = table.gravity;
+  rows["shoulder_height"] = table.shoulder_height;
+  return rows;
+}
+
+// --- from Python --------------------------------------------------------------------------------
+
+void read(const py::handle& from, double& value) { value = from.cast<double>(); }
+
+void read(const py::handle& from, FrictionPoints& points) {
+  points.clear();
+  for (const auto& [rate, torque] : from.cast<std::vector<std::pair<double, double>>>()) {
+    points.push_back({rate, torque});
+  }
+}
+
+void read(const py::handle& from, arm::Arm& arm) {
+  const auto entries = py::cast<py::dict>(from);
+  arm.offset = entries["offset"].cast<std::array<double, 3>>();
+  arm.body.mass = entries["mass"].cast<double>();
+  arm.body.centre = entries["centre_of_mass"].cast<std::array<double, 3>>();
+  arm.body.I11 = entries["I11"].cast<double>();
+  arm.body.I22 = entries["I22"].cast<double>();
+  arm.body.I33 = entries["I33"].cast<double>();
+  arm.body.I13 = entries["I13"].cast<double>();
+}
+
+template <class Value, std::size_t size>
+void read(const py::handle& from, std::array<Value, size>& row) {
+  std::size_t i = 0;
+  for (const py::handle entry : py::cast<py::tuple>(from)) read(entry, row.at(i++));
+}
+
+template <class Table>
+void read_table(const py::dict& rows, Table& table) {
+  Table::for_each_row(table, [&](const char* symbol, const char*, drive::Sign, auto& row) {
+    read(rows[symbol], row);
+  });
+}
+
+void read_table(const py::dict& rows, arm::Table3& table) {
+  read(rows["arms"], table.arms);
+  if (rows.contains("lumped_arm_3")) read(rows["lumped_arm_3"], table.lumped_arm_3);
+  read(rows["rJ"], table.rotor_inertia);
+  read(rows["joint_limits"], table.joint_limits);
+  table.gravity = rows["gravity"].cast<double>();
+  table.shoulder_height = rows["shoulder_height"].cast<double>();
 }
 
 }  // namespace
 
+py::dict as_dict(const robot::Tables& tables, robot::Model model) {
+  // Models with three arms show all six columns: their brakes hold axes that are there.
+  const int n_columns = robot::n_axes(model) == 1 ? 1 : arm::n_axes;
+  py::dict dict;
+  dict["table_1"] =
+      std::visit([&](const auto& table) { return as_dict(table, n_columns); }, tables.table_1);
+  dict["table_2"] = as_dict(tables.table_2, n_columns);
+  dict["table_3"] = as_dict(tables.table_3, n_columns, !robot::is_modelica(model));
+  return dict;
+}
+
+robot::Tables tables_from(const py::dict& dict, robot::Model model) {
+  robot::Tables tables = robot::default_tables(model);
+  std::visit([&](auto& table) { read_table(dict["table_1"].cast<py::dict>(), table); },
+             tables.table_1);
+  read_table(dict["table_2"].cast<py::dict>(), tables.table_2);
+  read_table(dict["table_3"].cast<py::dict>(), tables.table_3);
+  return tables;
+}
+
 void register_tables(py::module_& module) {
-  module.def("parameters", [] {
-    py::dict tables;
-    tables["table_1"] = controllers_and_motors();
-    tables["table_2"] = rotors_and_gears();
-    tables["table_3"] = multibody();
-    return tables;
+  module.def("default_tables", [](const py::object& model) {
+    return as_dict(robot::default_tables(model_named(model)), model_named(model));
   });
 }
 

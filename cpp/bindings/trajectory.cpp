@@ -51,10 +51,10 @@ Trajectory from_state(const py::tuple& state) {
 
 // The solution at instants t[k] inside steps step[k]: states (n, n_states), signals
 // (n_signals, n, n_axes), branches (n_elements, n, n_axes).
-py::tuple evaluate(std::shared_ptr<const robot::Robot> robot,
-                   std::shared_ptr<const motion::Motion> motion, solver::Method method,
-                   const Trajectory& trajectory, const Array& t, const Indices& step) {
-  const auto system = robot::make_system(std::move(robot), std::move(motion));
+py::tuple evaluate(std::shared_ptr<const robot::Robot> robot, const robot::Inputs& inputs,
+                   solver::Method method, const Trajectory& trajectory, const Array& t,
+                   const Indices& step) {
+  const auto system = robot::make_system(std::move(robot), inputs);
   const auto inside = solver::make_dense_output(method, *system);
   const py::ssize_t n = t.size();
   const py::ssize_t n_axes = system->n_axes();

@@ -1,5 +1,5 @@
-// The electrical part of every axis: position controller, tachogenerator, rate controller, motor
-// (spec 4; report Figure 3). Eight states per axis.
+// The electrical part of every axis of the report: position controller, tachogenerator, rate
+// controller, motor (spec 4; report Figure 3). Eight states per axis.
 #pragma once
 
 #include "drive/motor.hpp"
@@ -24,10 +24,16 @@ enum ElectricalState {
 
 template <int N>
 struct Axes {
+  // Dead zone, torque limit, limit on U.
+  static constexpr bool switches = true;
+
   PositionController<N> position_controller;
   Tachogenerator<N> tachogenerator;
   RateController<N> rate_controller;
   Motor<N> motor;
+
+  explicit Axes(const Table1& table)
+      : position_controller(table), tachogenerator(table), rate_controller(table), motor(table) {}
 
   static ConstView<N> of(const double* x, ElectricalState state) {
     return ConstView<N>(x + state * N);
@@ -45,6 +51,11 @@ struct Axes {
                                 of(dx, voltage));
     motor.derivatives(of(x, voltage), of(x, pt2_torque), of(x, pt2_torque_rate), of(dx, pt2_torque),
                       of(dx, pt2_torque_rate));
+  }
+
+  // e [V].
+  PerAxis<N> rate_error(const double* x, const PerAxis<N>& command) const {
+    return rate_controller.rate_error(command, of(x, tachogenerator_2), of(x, filter));
   }
 
   // rF [N m].

@@ -14,11 +14,11 @@
 namespace manutec_r3::drive {
 
 struct Friction {
-  FrictionCharacteristic characteristic;
+  double sticking_limit;  // rM_h [N m]
+  FrictionPoints points;
 
-  double sticking_limit() const { return characteristic.sticking_limit; }
   // Sliding friction right after break-away, rM_1.
-  double lowest_torque() const { return characteristic.points[0].torque; }
+  double lowest_torque() const { return points.front().torque; }
 
   // The piece of f for a rate of this magnitude.
   int piece_at(double magnitude) const {
@@ -28,19 +28,19 @@ struct Friction {
   }
   // The rates between which a piece holds; the last one has no upper end, the first one no lower.
   double upper_end(int piece) const {
-    return piece + 2 < characteristic.n_points ? characteristic.points[piece + 1].rate
-                                               : std::numeric_limits<double>::infinity();
+    return piece + 2 < static_cast<int>(points.size()) ? points[piece + 1].rate
+                                                       : std::numeric_limits<double>::infinity();
   }
   double lower_end(int piece) const {
-    return piece > 0 ? characteristic.points[piece].rate : -std::numeric_limits<double>::infinity();
+    return piece > 0 ? points[piece].rate : -std::numeric_limits<double>::infinity();
   }
 
   // rM from rq' while sliding; zero while sticking, when rM follows from the motion.
   template <int N>
   void set(Line<N>& torque, int axis, int branch, int piece) const {
     if (branch == 0) return torque.set(axis, 0.0, 0.0);
-    const FrictionPoint& a = characteristic.points[piece];
-    const FrictionPoint& b = characteristic.points[piece + 1];
+    const FrictionPoint& a = points[piece];
+    const FrictionPoint& b = points[piece + 1];
     const double slope = (b.torque - a.torque) / (b.rate - a.rate);
     torque.set(axis, slope, branch * (a.torque - slope * a.rate));
   }

@@ -1,11 +1,12 @@
-// Elastic gear with backlash of axes 1 to 3 (spec 5.2; report Figure 4, Table 2):
+// Elastic gears with backlash of axes 1 to 3 (spec 5.2; report Figure 4, Table 2):
 //
 //   delta = rq - p aq,   delta' = rq' - p aq'          (deflection, seen from the rotor)
 //   NL4:  s = delta - b for delta > b,  0 for |delta| <= b,  delta + b for delta < -b
 //   tau   = c s + d delta'                             (torque that the gear takes from the rotor)
 //
-// The damper acts in parallel to the spring with its backlash, also inside the gap. Axis 3 has no
-// backlash: its gear is always in contact.
+// The damper acts in parallel to the spring with its backlash, also inside the gap; or, as an
+// option, only in contact, that is, for |delta| > b (spec 11). A gear without backlash, such as
+// that of axis 3, is always in contact.
 #pragma once
 
 #include "drive/line.hpp"
@@ -14,29 +15,40 @@
 
 namespace manutec_r3::drive {
 
-using PerElasticAxis = PerAxis<n_elastic>;
+enum class GearDamping {
+  parallel,  // also inside the gap
+  contact,   // the damper may pull, and tau jumps where teeth meet and part
+};
 
+// The gears of the first E axes.
+template <int E>
 struct ElasticGear {
-  PerElasticAxis c = ConstView<n_elastic>(stiffness.data());
-  PerElasticAxis d = ConstView<n_elastic>(damping.data());
-  PerElasticAxis b = ConstView<n_elastic>(backlash_half_width.data());
-  Line<n_elastic> NL4;  // s from delta, on the present branches
+  PerAxis<E> c, d, b;
+  GearDamping damping;
+  // On the present branches:
+  Line<E> NL4;          // s from delta
+  PerAxis<E> acting_d;  // the damping that acts
+
+  ElasticGear(const Table2& table, GearDamping damping)
+      : c(first<E>(table.stiffness)),
+        d(first<E>(table.damping)),
+        b(first<E>(table.backlash_half_width)),
+        damping(damping),
+        acting_d(d) {}
 
   bool has_backlash(int axis) const { return b[axis] > 0.0; }
 
   void set_branch(int axis, int branch) {
-    if (has_backlash(axis)) {
-      NL4.set_dead_zone(axis, branch, b[axis]);
-    } else {
-      NL4.set(axis, 1.0, 0.0);
-    }
+    NL4.set_dead_zone(axis, branch, b[axis]);
+    const bool in_contact = branch != 0 || !has_backlash(axis);
+    acting_d[axis] = in_contact || damping == GearDamping::parallel ? d[axis] : 0.0;
   }
 
-  PerElasticAxis torque(const PerElasticAxis& delta, const PerElasticAxis& delta_rate) const {
-    return c * NL4(delta) + d * delta_rate;
+  PerAxis<E> torque(const PerAxis<E>& delta, const PerAxis<E>& delta_rate) const {
+    return c * NL4(delta) + acting_d * delta_rate;
   }
 
-  // The deflection at which the gear at rest transmits this torque [N m] (axis 0, 1 or 2).
+  // The deflection at which the gear at rest transmits this torque [N m].
   double deflection_under(int axis, double tau) const {
     return tau == 0.0 ? 0.0 : tau / c[axis] + (tau > 0.0 ? b[axis] : -b[axis]);
   }

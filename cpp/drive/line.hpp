@@ -21,9 +21,11 @@ struct Line {
     gain[axis] = new_gain;
     offset[axis] = new_offset;
   }
-  // NL1, NL4: zero inside the zone, the distance from its edge outside.
+  // NL1, NL4: zero inside the zone, the distance from its edge outside. Without a zone it is the
+  // value itself.
   void set_dead_zone(int axis, int branch, double half_width) {
-    set(axis, branch == 0 ? 0.0 : 1.0, -branch * half_width);
+    const bool inside = branch == 0 && half_width > 0.0;
+    set(axis, inside ? 0.0 : 1.0, -branch * half_width);
   }
   // NL2: the value inside the zone, its edge outside.
   void set_saturation(int axis, int branch, double half_width) {

@@ -13,12 +13,15 @@ namespace manutec_r3::drive {
 
 template <int N>
 struct Motor {
-  PerAxis<N> wi2 = first<N>(w_i).square();
-  PerAxis<N> two_D_wi = 2.0 * first<N>(D_i) * first<N>(w_i);
-  PerAxis<N> k_m = first<N>(K_M);
+  PerAxis<N> wi2, two_D_wi, k_m;
   // On the present branches:
-  Line<N> NL1;  // v from U
+  Line<N> NL1;  // v from U; constant beyond a limit on U
   Line<N> NL2;  // rF from m
+
+  explicit Motor(const Table1& table)
+      : wi2(first<N>(table.w_i).square()),
+        two_D_wi(2.0 * first<N>(table.D_i) * first<N>(table.w_i)),
+        k_m(first<N>(table.K_M)) {}
 
   // States m, m' and their derivatives; voltage U.
   void derivatives(ConstView<N> U, ConstView<N> m, ConstView<N> m_rate, View<N> dm,

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 
 namespace manutec_r3::drive {
 
@@ -16,10 +17,11 @@ using ConstView = Eigen::Map<const PerAxis<N>>;
 template <int N>
 using View = Eigen::Map<PerAxis<N>>;
 
-// The first N entries of a table of six.
-template <int N>
-PerAxis<N> first(const std::array<double, 6>& table) {
-  return ConstView<N>(table.data());
+// The first N entries of a row.
+template <int N, std::size_t n>
+PerAxis<N> first(const std::array<double, n>& row) {
+  static_assert(N <= static_cast<int>(n));
+  return ConstView<N>(row.data());
 }
 
 }  // namespace manutec_r3::drive

@@ -1,6 +1,8 @@
 // Position controller with rate feedforward, motor side (spec 4; report Figure 3, Table 1):
 //
 //   rq_d = p aq_d,   rq_d' = p aq_d',   u_c = K_V (rq_d - rq) + K_D rq_d'   [V]
+//
+// Continuous: at every instant. Sampled: at t_k = k T, held until t_{k+1}.
 #pragma once
 
 #include "drive/parameters.hpp"
@@ -10,9 +12,10 @@ namespace manutec_r3::drive {
 
 template <int N>
 struct PositionController {
-  PerAxis<N> p = first<N>(gear_ratio);
-  PerAxis<N> k_v = first<N>(K_V);
-  PerAxis<N> k_d = first<N>(K_D);
+  PerAxis<N> p, k_v, k_d;
+
+  explicit PositionController(const Table1& table)
+      : p(first<N>(table.gear_ratio)), k_v(first<N>(table.K_V)), k_d(first<N>(table.K_D)) {}
 
   // The command u_c [V] to the rate controller.
   PerAxis<N> command(const PerAxis<N>& aq_d, const PerAxis<N>& aqd_d, const PerAxis<N>& rq) const {

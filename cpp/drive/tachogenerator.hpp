@@ -15,10 +15,13 @@ namespace manutec_r3::drive {
 
 template <int N>
 struct Tachogenerator {
-  PerAxis<N> k_t = first<N>(K_T);
-  PerAxis<N> we = first<N>(w_e);
-  PerAxis<N> wp2 = first<N>(w_p).square();
-  PerAxis<N> two_D_wp = 2.0 * first<N>(D_p) * first<N>(w_p);
+  PerAxis<N> k_t, we, wp2, two_D_wp;
+
+  explicit Tachogenerator(const Table1& table)
+      : k_t(first<N>(table.K_T)),
+        we(first<N>(table.w_e)),
+        wp2(first<N>(table.w_p).square()),
+        two_D_wp(2.0 * first<N>(table.D_p) * first<N>(table.w_p)) {}
 
   // States y, u_t, u_t' and their derivatives.
   void derivatives(const PerAxis<N>& rotor_rate, ConstView<N> y, ConstView<N> u_t,

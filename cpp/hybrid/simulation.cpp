@@ -29,10 +29,11 @@ constexpr double ahead = 1e-7;
 }  // namespace
 
 Simulation::Simulation(System& system, Integrator& integrator, double t, std::vector<double> x,
-                       Trajectory* trajectory)
+                       Trajectory* trajectory, Routine routine)
     : system_(system),
       integrator_(integrator),
       trajectory_(trajectory),
+      routine_(routine),
       start_(t),
       scratch_x_(system.n_states()),
       scratch_z_(system.n_indicators()),
@@ -90,6 +91,8 @@ Statistics Simulation::statistics() const {
   return {.work = integrator_.work(),
           .events = static_cast<long>(events_.size()),
           .restarts = restarts_,
+          .routine_events = routine_events_,
+          .routine_evaluations = routine_evaluations_,
           .locations = locations_};
 }
 
@@ -286,12 +289,21 @@ void Simulation::handle_event(bool input_changed) {
     system_.set_mode(before);
     throw;
   }
+  const long evaluations_before = integrator_.work().evaluations;
+  bool only_routine = !changes_.empty() && now_.fired.empty();
   for (const Change& change : changes_) {
     if (now_.time == start_) break;  // semantics 5
+    const bool routine = system_.is_routine(change.element);
+    routine_events_ += routine;
+    only_routine = only_routine && routine;
+    if (routine && routine_ == Routine::counted) continue;
     events_.push_back({now_.time, change.element, change.before, change.after});
   }
   ++restarts_;
   restart(integrator_.next_size());
+  if (only_routine) {
+    routine_evaluations_ += integrator_.work().evaluations - evaluations_before;
+  }
   for (const int i : now_.fired) {
     const Element element = system_.element_of(i);
     if (now_.guard.exceeded(element, now_.time)) {

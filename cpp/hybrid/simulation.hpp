@@ -46,9 +46,11 @@ struct Event {
 
 struct Statistics {
   Work work;
-  long events = 0;     // changes that were logged
-  long restarts = 0;   // of the integration, after logged changes or others
-  long locations = 0;  // evaluations of the solution inside a step in search of events
+  long events = 0;               // changes that were logged
+  long restarts = 0;             // of the integration, after logged changes or others
+  long routine_events = 0;       // among all that happened, listed or not
+  long routine_evaluations = 0;  // of the derivatives, to restart where nothing else happened
+  long locations = 0;            // evaluations of the solution inside a step in search of events
 };
 
 class Simulation {
@@ -56,10 +58,12 @@ class Simulation {
   enum class Stop { at_target, at_first_event };
   enum class Target { included, excluded };  // whether events at the target itself are handled
 
+  enum class Routine { counted, listed };  // what becomes of events that come as a matter of course
+
   // Begins at (t, x): the system decides its branches. `trajectory`, if given, records the run.
   // All must outlive the simulation.
   Simulation(System& system, Integrator& integrator, double t, std::vector<double> x,
-             Trajectory* trajectory = nullptr);
+             Trajectory* trajectory = nullptr, Routine routine = Routine::counted);
 
   // Advances to `target`, or to the first instant with a logged event. Throws SimulationFailure.
   // `look_up` is called after every step with the time; it may throw.
@@ -114,6 +118,7 @@ class Simulation {
   System& system_;
   Integrator& integrator_;
   Trajectory* trajectory_;
+  Routine routine_;
   double start_;
   Front now_;
   std::vector<Event> events_;
@@ -123,6 +128,8 @@ class Simulation {
   std::vector<double> dip_x_, dip_z_, dip_slope_;
   std::vector<double> scratch_derivatives_;
   long restarts_ = 0;
+  long routine_events_ = 0;
+  long routine_evaluations_ = 0;
   long locations_ = 0;
 };
 

@@ -53,8 +53,12 @@ class System {
   virtual int n_states() const = 0;
   // All that the simulation watches; may be more than the system's users are told about.
   virtual int n_indicators() const = 0;
-  // Magnitude of each state: absolute tolerances are scaled by it.
+  // Magnitude of each state: absolute tolerances are scaled by it. May depend on the mode; methods
+  // that stiff systems need take notice at each restart.
   virtual std::span<const double> nominals() const = 0;
+
+  // Whether it may have undamped oscillations much faster than what matters.
+  virtual bool rings() const { return false; }
 
   // dx/dt at frozen branches: smooth, also a little beyond the switching points. Allocates nothing.
   virtual void derivatives(double t, const double* x, double* derivatives) = 0;
@@ -76,6 +80,10 @@ class System {
 
   virtual const Mode& mode() const = 0;
   virtual void set_mode(const Mode& mode) = 0;
+
+  // Whether events of an element come as a matter of course, such as the samples of a controller:
+  // they are counted, with what they cost, and listed only on request.
+  virtual bool is_routine(Element) const { return false; }
 
   virtual Element element_of(int indicator) const = 0;
   // For messages: "friction of axis 4".

@@ -86,9 +86,9 @@ int Motion::piece_at(double t) const {
   return static_cast<int>(std::ranges::upper_bound(knots_, t) - knots_.begin()) - 1;
 }
 
-double Motion::next_knot(double t) const {
-  const auto next = std::ranges::upper_bound(knots_, t);
-  return next == knots_.end() ? std::numeric_limits<double>::infinity() : *next;
+double Motion::end_of(int piece) const {
+  const std::size_t next = static_cast<std::size_t>(piece + 1);
+  return next < knots_.size() ? knots_[next] : std::numeric_limits<double>::infinity();
 }
 
 Reference Motion::reference(int piece, double t, int axis) const {

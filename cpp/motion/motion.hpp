@@ -40,8 +40,8 @@ class Motion {
 
   // The piece that holds at t and right after it; -1 before the first.
   int piece_at(double t) const;
-  // The first knot later than t; infinity after the last.
-  double next_knot(double t) const;
+  // When a piece ends; infinity for the last.
+  double end_of(int piece) const;
   Reference reference(int piece, double t, int axis) const;
 
  private:

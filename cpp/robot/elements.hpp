@@ -1,5 +1,5 @@
 // The elements that switch, by name (spec 8). Events of one instant are told in this order: the
-// reference, then axis by axis the elements as they stand below.
+// reference, the sample, then axis by axis the elements as they stand below.
 #pragma once
 
 #include <array>
@@ -7,12 +7,12 @@
 
 namespace manutec_r3::robot {
 
-enum ElementKind { dead_zone, torque_limit, backlash, friction, reference };
+enum ElementKind { dead_zone, torque_limit, voltage_limit, backlash, friction, reference, sample };
 
-inline constexpr std::array<std::string_view, 5> element_names = {
-    "dead_zone", "torque_limit", "backlash", "friction", "reference"};
+inline constexpr std::array<std::string_view, 7> element_names = {
+    "dead_zone", "torque_limit", "voltage_limit", "backlash", "friction", "reference", "sample"};
 
 // Elements that every axis has, or counts as having with branch 0.
-inline constexpr int n_axis_elements = 4;
+inline constexpr int n_axis_elements = 5;
 
 }  // namespace manutec_r3::robot

@@ -1,18 +1,24 @@
-// The equations of a robot on frozen branches (spec 4 to 6), for 6 or 3 moving arms.
+// The equations of a robot on frozen branches (spec 4 to 6), for N moving arms.
 //
 // Motor side: rF, tau, rM; joint side: aF. Everything here is a function of time and state; what
-// switches is set by the owner in `motor`, `gear` and `friction` lines and in `sticking`.
+// switches is set by the owner in `axes`, `gear`, `friction`, `sticking` and what follows them.
+// `Axes` are the controllers and motors: the report's (drive/axis.hpp) or those of the Modelica
+// variant (drive/modelica_axis.hpp).
 #pragma once
 
+#include <algorithm>
 #include <array>
 
+#include "arm/carried_rotors.hpp"
 #include "arm/composite.hpp"
-#include "arm/parameters.hpp"
+#include "arm/kinematics.hpp"
 #include "arm/solve.hpp"
-#include "drive/axis.hpp"
 #include "drive/friction.hpp"
 #include "drive/gear.hpp"
+#include "drive/line.hpp"
+#include "motion/input.hpp"
 #include "motion/motion.hpp"
+#include "robot/inputs.hpp"
 #include "robot/robot.hpp"
 
 namespace manutec_r3::robot {
@@ -22,40 +28,54 @@ using drive::Line;
 using drive::PerAxis;
 using drive::View;
 
-template <int N>
+template <int N, class Axes>
 class Equations {
  public:
   // Elastic gears are those of axes 1 to 3.
-  static constexpr int E = drive::n_elastic;
+  static constexpr int E = std::min(N, drive::n_elastic);
 
-  explicit Equations(const Robot& robot)
-      : elastic_(robot.has_real_gears()),
+  Equations(const Robot& robot, const Axes& of_axes, const Inputs& inputs)
+      : axes(of_axes),
+        gear(robot.tables().table_2, robot.options().gear_damping),
+        p(drive::first<N>(robot.gear_ratio())),
+        rJ(drive::first<N>(robot.tables().table_3.rotor_inertia)),
+        robot_(robot),
+        inputs_(inputs),
+        elastic_(robot.has_real_gears()),
         controlled_(robot.has_controller()),
+        follows_motion_(robot.options().controller == Controller::continuous),
         deflection_state_(robot.first_state("deflection")),
-        electrical_state_(robot.first_state("tachogenerator_1")),
+        electrical_state_(2 * N + 2 * robot.n_elastic()),
         mechanism_(std::get<arm::Mechanism<N>>(robot.arm_behind_gears())) {
-    for (int i = 0; i < N; ++i) {
-      friction_of[i] = {drive::friction[i]};
-      rJ[i] = arm::rotors[i].inertia;
+    for (int j = 0; j < E; ++j) {
+      carried_[j] = robot.carries_elastic_rotor(j);
+      any_carried_ |= carried_[j];
     }
   }
 
   // --- what switches, and inputs ----------------------------------------------------------------
 
-  drive::Axes<N> axes;      // NL1 and NL2 in its motors
-  drive::ElasticGear gear;  // NL4
-  Line<N> friction;         // rM while sliding
-  std::array<bool, N> sticking{};
+  Axes axes;                                         // with NL1, NL2 and the limit on U
+  drive::ElasticGear<E> gear;                        // with NL4
+  Line<N> friction;                                  // rM while sliding, or held by a stiff damper
+  PerAxis<N> spring_stiffness = PerAxis<N>::Zero();  // of stiff springs that hold sticking axes
+  PerAxis<N> spring_rest = PerAxis<N>::Zero();       // rq_stick
+  std::array<bool, N> sticking{};                    // with a rate of exactly zero
   int motion_piece = -1;
-  PerAxis<N> held_torque = PerAxis<N>::Zero();  // rF of a robot without controller
+  int input_piece = 0;
+  int force_piece = 0;
+  // Held until they are set again: u_c [V], or rF [N m] without a controller; the force on the tip.
+  PerAxis<N> held_input = PerAxis<N>::Zero();
+  arm::Vector<3> held_tip_force = arm::Vector<3>::Zero();
 
   // --- constants --------------------------------------------------------------------------------
 
-  PerAxis<N> p = drive::first<N>(drive::gear_ratio);
-  PerAxis<N> rJ;
-  std::array<drive::Friction, N> friction_of;
+  PerAxis<N> p, rJ;
 
   bool is_elastic(int axis) const { return elastic_ && axis < E; }
+  // Whether an axis sticks or slides together with others: its friction acts on the arms at once.
+  bool is_coupled(int axis) const { return !is_elastic(axis) || carried_[axis]; }
+  int n_elastic() const { return elastic_ ? E : 0; }
 
   // --- views of the state -----------------------------------------------------------------------
 
@@ -84,27 +104,43 @@ class Equations {
     if (elastic_) rqd.template head<E>() = elastic_rotor_rate(x);
     return rqd;
   }
-  drive::PerElasticAxis deflection_rate(const double* x) const {
+  PerAxis<E> deflection_rate(const double* x) const {
     return elastic_rotor_rate(x) - p.template head<E>() * qd(x).template head<E>();
   }
 
-  // --- torques ----------------------------------------------------------------------------------
+  // --- command and torques ----------------------------------------------------------------------
+
+  // The output of the position controllers, evaluated now.
+  PerAxis<N> command_from_motion(double t, const double* x) const {
+    PerAxis<N> aq_d, aqd_d;
+    for (int i = 0; i < N; ++i) {
+      const motion::Reference reference = inputs_.motion->reference(motion_piece, t, i);
+      aq_d[i] = reference.angle;
+      aqd_d[i] = reference.rate;
+    }
+    return axes.position_controller.command(aq_d, aqd_d, rotor_angle(x));
+  }
+
+  // What the rate controllers get: from the position controllers now, or held.
+  PerAxis<N> command(double t, const double* x) const {
+    return follows_motion_ ? command_from_motion(t, x) : input(t);
+  }
 
   struct Torques {
     PerAxis<N> motor;     // rF
     PerAxis<N> gear;      // tau, or rF - rM with rigid gears
-    PerAxis<N> friction;  // rM; of sticking axes with rigid gears not known before accelerations
+    PerAxis<N> friction;  // rM; of sticking axes not known before accelerations, if coupled
   };
 
-  Torques torques(const double* x, const PerAxis<N>& rotor_rate) const {
+  Torques torques(double t, const double* x) const {
     Torques torques;
-    torques.motor = controlled_ ? axes.motor_torque(electrical(x)) : held_torque;
-    torques.friction = friction(rotor_rate);
+    torques.motor = controlled_ ? axes.motor_torque(electrical(x)) : input(t);
+    torques.friction = friction(rotor_rate(x)) + spring_stiffness * (rotor_angle(x) - spring_rest);
     torques.gear = torques.motor - torques.friction;
     if (elastic_) {
       torques.gear.template head<E>() = gear.torque(deflection(x), deflection_rate(x));
-      for (int i = 0; i < E; ++i) {
-        if (sticking[i]) torques.friction[i] = torques.motor[i] - torques.gear[i];
+      for (int j = 0; j < E; ++j) {
+        if (sticking[j]) torques.friction[j] = torques.motor[j] - torques.gear[j];
       }
     }
     return torques;
@@ -112,17 +148,59 @@ class Equations {
 
   // --- equations of motion ----------------------------------------------------------------------
 
-  arm::EquationsOfMotion<N> equations_of_motion(const double* x) const {
-    return arm::equations_of_motion<N>(mechanism_, q(x).matrix(), qd(x).matrix());
+  // Spec 6: aaM aq'' + arM rq'' + bias = aF for the joints, and for rotors behind elastic gears
+  // that the arms carry, arM^T aq'' + rJ (rq'' + drift) = rF - tau - rM. Gyroscopic torques and a
+  // force on the tip are part of the bias.
+  struct Dynamics {
+    arm::Matrix<N> M;  // aaM
+    arm::Vector<N> bias;
+    Eigen::Matrix<double, N, E> arM;  // this and drift: only where rotors are carried
+    arm::Vector<E> drift;             // <rn_j, w'_{j-1}> at aq'' = 0
+  };
+
+  Dynamics dynamics(double t, const double* x) const {
+    Dynamics dynamics;
+    const arm::Vector<N> angle = q(x).matrix(), rate = qd(x).matrix();
+    const arm::EquationsOfMotion<N> eom = arm::equations_of_motion<N>(mechanism_, angle, rate);
+    dynamics.M = eom.M;
+    dynamics.bias = eom.bias;
+    if (any_carried_) {
+      const arm::CarriedRotors<N> rotors = arm::carried_rotors<N>(angle, rate);
+      for (int j = 0; j < E; ++j) {
+        const double inertia = carried_[j] ? rJ[j] : 0.0;
+        dynamics.arM.col(j) = inertia * rotors.projection.col(j);
+        dynamics.bias += inertia * elastic_rotor_rate(x)[j] * rotors.swing.col(j);
+        dynamics.drift[j] = carried_[j] ? rotors.drift[j] : 0.0;
+      }
+    }
+    if (const arm::Vector<3> force = tip_force(t); !force.isZero(0.0)) {
+      dynamics.bias -=
+          arm::torques_of_force_on_load<N>(robot_.tables().table_3, robot_.load(), angle, force);
+    }
+    return dynamics;
   }
 
-  // aq'': joints with rigid gears that stick have exactly none; the others are solved for with
-  // these prescribed (spec 5.3).
-  PerAxis<N> joint_acceleration(const arm::EquationsOfMotion<N>& eom,
-                                const PerAxis<N>& joint_torque) const {
-    arm::Matrix<N> M = eom.M;
-    arm::Vector<N> right = joint_torque.matrix() - eom.bias;
-    for (int i = elastic_ ? E : N; i < N; ++i) {
+  struct Accelerations {
+    arm::Vector<N> joint;  // aq''
+    arm::Vector<E> rotor;  // rq'' of rotors behind elastic gears
+  };
+
+  // Axes that stick have exactly no acceleration; the others are solved for with these prescribed
+  // (spec 5.3).
+  Accelerations accelerations(const Dynamics& dynamics, const Torques& torques) const {
+    const PerAxis<E> drive = (torques.motor - torques.gear - torques.friction).template head<E>();
+    arm::Matrix<N> M = dynamics.M;
+    arm::Vector<N> right = (p * torques.gear).matrix() - dynamics.bias;
+    if (any_carried_) {
+      // Rotors that turn are eliminated, rq'' = drive / rJ - drift - arM^T aq'' / rJ.
+      for (int j = 0; j < E; ++j) {
+        if (!carried_[j] || sticking[j]) continue;
+        const arm::Vector<N> arM = dynamics.arM.col(j);
+        M -= arM * arM.transpose() / rJ[j];
+        right -= arM * (drive[j] / rJ[j] - dynamics.drift[j]);
+      }
+    }
+    for (int i = n_elastic(); i < N; ++i) {
       if (!sticking[i]) continue;
       M.row(i).setZero();
       M.col(i).setZero();
@@ -130,10 +208,21 @@ class Equations {
       right[i] = 0.0;
     }
     arm::solve_in_place(M, right);
-    for (int i = elastic_ ? E : N; i < N; ++i) {
+    for (int i = n_elastic(); i < N; ++i) {
       if (sticking[i]) right[i] = 0.0;
     }
-    return right.array();
+
+    Accelerations result;
+    result.joint = right;
+    if (!elastic_) return result;
+    for (int j = 0; j < E; ++j) {
+      result.rotor[j] = drive[j] / rJ[j];
+      if (carried_[j]) {
+        result.rotor[j] -= dynamics.drift[j] + dynamics.arM.col(j).dot(right) / rJ[j];
+      }
+      if (sticking[j]) result.rotor[j] = 0.0;
+    }
+    return result;
   }
 
   // Torques and accelerations, friction of all sticking axes included.
@@ -142,58 +231,63 @@ class Equations {
     PerAxis<N> joint_acceleration;
   };
 
-  Mechanics mechanics(const double* x) const {
-    const arm::EquationsOfMotion<N> eom = equations_of_motion(x);
+  Mechanics mechanics(double t, const double* x) const {
+    const Dynamics dynamics = this->dynamics(t, x);
     Mechanics result;
     Torques& torques = result.torques;
-    torques = this->torques(x, rotor_rate(x));
-    result.joint_acceleration = joint_acceleration(eom, p * torques.gear);
-    const PerAxis<N> inertial =
-        (eom.M * result.joint_acceleration.matrix() + eom.bias).array() / p;  // aL / p
-    for (int i = elastic_ ? E : N; i < N; ++i) {
-      if (!sticking[i]) continue;
-      torques.friction[i] = torques.motor[i] - inertial[i];
-      torques.gear[i] = inertial[i];
+    torques = this->torques(t, x);
+    const Accelerations a = accelerations(dynamics, torques);
+    result.joint_acceleration = a.joint.array();
+    arm::Vector<N> aL = dynamics.M * a.joint + dynamics.bias;  // what the arms take from the joints
+    if (any_carried_) aL += dynamics.arM * a.rotor;
+    for (int i = 0; i < N; ++i) {
+      if (!sticking[i] || !is_coupled(i)) continue;
+      if (is_elastic(i)) {
+        torques.friction[i] = torques.motor[i] - torques.gear[i] -
+                              dynamics.arM.col(i).dot(a.joint) - rJ[i] * dynamics.drift[i];
+      } else {
+        torques.gear[i] = aL[i] / p[i];
+        torques.friction[i] = torques.motor[i] - torques.gear[i];
+      }
     }
     return result;
   }
 
-  // --- the right-hand side
-  // -------------------------------------------------------------------------
+  // --- the right-hand side ----------------------------------------------------------------------
 
-  void derivatives(double t, const double* x, const motion::Motion* motion, double* dx) const {
-    const PerAxis<N> rqd = rotor_rate(x);
-    const Torques now = torques(x, rqd);
-
+  void derivatives(double t, const double* x, double* dx) const {
+    const Accelerations a = accelerations(dynamics(t, x), torques(t, x));
     View<N>{dx} = qd(x);
-    View<N>{dx + N} = joint_acceleration(equations_of_motion(x), p * now.gear);
-
+    View<N>{dx + N} = a.joint.array();
     if (elastic_) {
       View<E>{dx + deflection_state_} = deflection_rate(x);
-      View<E> rotor_acceleration(dx + deflection_state_ + E);
-      rotor_acceleration =
-          (now.motor - now.gear - now.friction).template head<E>() / rJ.template head<E>();
-      for (int i = 0; i < E; ++i) {
-        if (sticking[i]) rotor_acceleration[i] = 0.0;
-      }
+      View<E>{dx + deflection_state_ + E} = a.rotor.array();
     }
-
-    if (controlled_) {
-      PerAxis<N> aq_d, aqd_d;
-      for (int i = 0; i < N; ++i) {
-        const motion::Reference reference = motion->reference(motion_piece, t, i);
-        aq_d[i] = reference.angle;
-        aqd_d[i] = reference.rate;
-      }
-      const PerAxis<N> command = axes.position_controller.command(aq_d, aqd_d, rotor_angle(x));
-      axes.derivatives(electrical(x), command, rqd, electrical(dx));
-    }
+    if (controlled_) axes.derivatives(electrical(x), command(t, x), rotor_rate(x), electrical(dx));
   }
 
  private:
-  bool elastic_, controlled_;
+  // u_c [V], or rF [N m] without a controller: held, or a function of time.
+  PerAxis<N> input(double t) const {
+    if (!inputs_.of_axes) return held_input;
+    PerAxis<N> values;
+    inputs_.of_axes->evaluate(input_piece, t, values.data());
+    return values;
+  }
+  arm::Vector<3> tip_force(double t) const {
+    if (!inputs_.tip_force) return held_tip_force;
+    arm::Vector<3> force;
+    inputs_.tip_force->evaluate(force_piece, t, force.data());
+    return force;
+  }
+
+  const Robot& robot_;
+  const Inputs& inputs_;
+  bool elastic_, controlled_, follows_motion_;
   int deflection_state_, electrical_state_;  // where these groups begin
   arm::Mechanism<N> mechanism_;
+  std::array<bool, E> carried_{};
+  bool any_carried_ = false;
 };
 
 }  // namespace manutec_r3::robot

@@ -1,4 +1,5 @@
-// One of the four DLR models with its load: what is simulated, immutable (spec 7; report Table 4).
+// What is simulated, immutable: one of the four DLR models (spec 7; report Table 4) or of the two
+// Modelica ones, with its load, its options and its tables.
 #pragma once
 
 #include <span>
@@ -11,13 +12,10 @@
 #include "arm/mechanism.hpp"
 #include "drive/parameters.hpp"
 #include "motion/motion.hpp"
+#include "robot/options.hpp"
+#include "robot/tables.hpp"
 
 namespace manutec_r3::robot {
-
-enum class Controller {
-  continuous,  // the position loop is evaluated at every instant
-  none,        // no controller, no motor dynamics: motor torques are inputs
-};
 
 // A group of states: one quantity, axis fastest.
 struct StateGroup {
@@ -36,21 +34,34 @@ struct IndicatorGroup {
 
 class Robot {
  public:
-  // Throws std::invalid_argument: model is 1 to 4, the load within its bounds.
-  Robot(int model, const arm::Load& load, Controller controller);
+  // Throws std::invalid_argument: the load within its bounds, options that the model has, tables
+  // that describe a robot.
+  Robot(Model model, const arm::Load& load, const Options& options, const Tables& tables);
 
-  int model() const { return model_; }
+  Model model() const { return model_; }
   const arm::Load& load() const { return load_; }
-  Controller controller() const { return controller_; }
+  const Options& options() const { return options_; }
+  const Tables& tables() const { return tables_; }
+
   bool operator==(const Robot& other) const {
-    return model_ == other.model_ && load_ == other.load_ && controller_ == other.controller_;
+    return model_ == other.model_ && load_ == other.load_ && options_ == other.options_ &&
+           tables_ == other.tables_;
   }
 
-  int n_axes() const { return model_ == 1 || model_ == 3 ? 6 : 3; }
+  int n_axes() const { return robot::n_axes(model_); }
   // Friction everywhere, elasticity and backlash on axes 1 to 3.
-  bool has_real_gears() const { return model_ >= 3; }
-  int n_elastic() const { return has_real_gears() ? drive::n_elastic : 0; }
-  bool has_controller() const { return controller_ != Controller::none; }
+  bool has_real_gears() const { return robot::has_real_gears(model_); }
+  int n_elastic() const { return robot::n_elastic(model_); }
+  bool has_controller() const { return options_.controller != Controller::none; }
+  // p.
+  const drive::Row& gear_ratio() const { return tables_.gear_ratio(); }
+  // +1 if the branch of an axis' friction tells how its rotor slides; otherwise it tells how its
+  // joint slides, and this is the sign of p.
+  int friction_side(int axis) const;
+  // Whether the rotor of an elastic gear is carried by the arms, coupling "full".
+  bool carries_elastic_rotor(int axis) const {
+    return axis < n_elastic() && options_.coupling[axis] == Coupling::full;
+  }
 
   // In the order of the state vector.
   const std::vector<StateGroup>& states() const { return states_; }
@@ -61,24 +72,28 @@ class Robot {
   const std::vector<IndicatorGroup>& indicators() const { return indicators_; }
   int n_indicators() const;
 
-  // The arm with ideal gears: rotors of axes with elastic gears (coupling "simplified") count
-  // with p^2 rJ on the diagonal, the others with full coupling.
-  using AnyMechanism = std::variant<arm::Mechanism<3>, arm::Mechanism<6>>;
+  // The arm with ideal gears: rotors count with all terms if their coupling is "full", with p^2 rJ
+  // on the diagonal if it is "simplified".
+  using AnyMechanism = std::variant<arm::Mechanism<1>, arm::Mechanism<3>, arm::Mechanism<6>>;
   const AnyMechanism& arm() const { return arm_; }
   // The arm as the models' equations see it: rotors behind elastic gears are separate.
   const AnyMechanism& arm_behind_gears() const { return arm_behind_gears_; }
 
  private:
-  int model_;
+  void name_states();
+  void name_indicators();
+
+  Model model_;
   arm::Load load_;
-  Controller controller_;
+  Options options_;
+  Tables tables_;
   std::vector<StateGroup> states_;
   std::vector<IndicatorGroup> indicators_;
   AnyMechanism arm_, arm_behind_gears_;
 };
 
-// Refuses a motion that the robot cannot follow: 3 or 6 axes as the robot has; with 3 axes a motion
-// of 6 if axes 4 to 6 stay exactly at zero, where the brakes hold them.
+// Refuses a motion that the robot cannot follow: as many axes as the robot has; with 3 axes also a
+// motion of 6 if axes 4 to 6 stay exactly at zero, where the brakes hold them.
 void check_motion(const Robot& robot, const motion::Motion& motion);
 
 }  // namespace manutec_r3::robot

@@ -1,41 +1,38 @@
 #include "robot/robot_system.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "drive/axis.hpp"
+#include "drive/modelica_axis.hpp"
+#include "hybrid/crossing.hpp"
 #include "robot/equations.hpp"
-#include "robot/stiction.hpp"
+#include "robot/friction_decision.hpp"
+#include "robot/mode.hpp"
 
 namespace manutec_r3::robot {
 namespace {
 
-// An axis with an elastic gear whose rotor creeps counts as sticking below this rate; watched once
-// the rate has exceeded a higher one, so never right after break-away (spec 8) [rad/s].
-constexpr double creep_rate = 1e-9;
-constexpr double creep_armed_rate = 1e-8;
+// A rotor that creeps below the threshold counts as sticking; it is watched once its rate has
+// exceeded so many times the threshold, so never right after break-away (spec 8).
+constexpr double creep_armed = 10.0;
+
+// By how much tolerances of axes are relaxed that stiff springs hold.
+constexpr double relaxed = 1e4;
 
 constexpr double not_available = std::numeric_limits<double>::quiet_NaN();
-
-int sign(double value) { return (value > 0.0) - (value < 0.0); }
-
-// The branches of a mode: per axis those that users see, two that concern friction alone, and the
-// piece of the motion.
-template <int N>
-struct ModeLayout {
-  enum Row { friction_piece = n_axis_elements, creep, n_rows };
-  static constexpr int motion_piece = n_rows * N;
-  static constexpr int size = n_rows * N + 1;
-  static constexpr int at(int row, int axis) { return row * N + axis; }
-};
 
 // Indicators: two for every axis and row, of which some mean nothing on some robots.
 enum IndicatorRow {
   of_dead_zone,
   of_torque_limit,
+  of_voltage_limit,
+  of_integral,
   of_backlash,
   of_friction,
   of_friction_piece,
@@ -43,16 +40,25 @@ enum IndicatorRow {
   n_indicator_rows
 };
 
-template <int N>
+// Whether an announced instant has come: instants that are one are decided at once.
+bool has_come(double instant, double t) { return t >= instant - hybrid::simultaneous(t); }
+
+template <int N, class Axes>
 class RobotSystemOf final : public RobotSystem {
  public:
-  RobotSystemOf(std::shared_ptr<const Robot> robot, std::shared_ptr<const motion::Motion> motion)
-      : robot_(std::move(robot)), motion_(std::move(motion)), equations_(*robot_) {
+  RobotSystemOf(std::shared_ptr<const Robot> robot, const Axes& axes, Inputs inputs)
+      : robot_(std::move(robot)),
+        inputs_(std::move(inputs)),
+        equations_(*robot_, axes, inputs_),
+        friction_(*robot_, equations_, mode_) {
     for (const StateGroup& group : robot_->states()) {
       nominals_.insert(nominals_.end(), group.nominals.begin(), group.nominals.end());
     }
-    mode_.branches.assign(Mode::size, 0);
-    if (!robot_->has_controller()) mode_.held.assign(N, 0.0);
+    if (const auto* table_1 = std::get_if<drive::Table1>(&robot_->tables().table_1)) {
+      a_ = drive::first<N>(table_1->dead_zone_half_width);
+      b_ = drive::first<N>(table_1->torque_limit);
+      sampling_time_ = table_1->sampling_time;
+    }
     scratch_.resize(robot_->n_states());
     freeze();
   }
@@ -61,23 +67,17 @@ class RobotSystemOf final : public RobotSystem {
   int n_states() const override { return robot_->n_states(); }
   int n_indicators() const override { return n_indicator_rows * 2 * N; }
   std::span<const double> nominals() const override { return nominals_; }
+  bool rings() const override { return robot_->options().stiction == Stiction::stiff_spring; }
 
   void derivatives(double t, const double* x, double* derivatives) override {
-    equations_.derivatives(t, x, motion_.get(), derivatives);
+    equations_.derivatives(t, x, derivatives);
   }
 
   // --- indicators -------------------------------------------------------------------------------
 
-  void indicators(double, const double* x, double* z) override {
+  void indicators(double t, const double* x, double* z) override {
     std::fill_n(z, n_indicators(), 1.0);
-    if (robot_->has_controller()) {
-      const ConstView<N> U = voltage(x);
-      const ConstView<N> m = pt2_torque(x);
-      for (int i = 0; i < N; ++i) {
-        edges(branch(dead_zone, i), U[i], drive::dead_zone_half_width[i], slot(z, of_dead_zone, i));
-        edges(branch(torque_limit, i), m[i], drive::torque_limit[i], slot(z, of_torque_limit, i));
-      }
-    }
+    if (switches_electrically()) electrical_indicators(t, x, z);
     if (!robot_->has_real_gears()) return;
     const ConstView<E> delta = equations_.deflection(x);
     for (int i = 0; i < E; ++i) {
@@ -85,33 +85,35 @@ class RobotSystemOf final : public RobotSystem {
       edges(branch(backlash, i), delta[i], equations_.gear.b[i], slot(z, of_backlash, i));
     }
     const PerAxis<N> rate = equations_.rotor_rate(x);
-    const PerAxis<N> held = friction_torque(x, rate);
+    const PerAxis<N> held = friction_torque(t, x);
     for (int i = 0; i < N; ++i) {
-      const int direction = branch(friction, i);
+      const int direction = friction_.rotor_direction(i);
       double* of_friction_i = slot(z, of_friction, i);
       if (direction == 0) {
-        of_friction_i[0] = equations_.friction_of[i].sticking_limit() - held[i];
-        of_friction_i[1] = equations_.friction_of[i].sticking_limit() + held[i];
+        if (mode_.branch(Mode<N>::brake, i)) continue;
+        of_friction_i[0] = friction_.sticking_limit(i) - held[i];
+        of_friction_i[1] = friction_.sticking_limit(i) + held[i];
         continue;
       }
       const double speed = direction * rate[i];
       of_friction_i[0] = speed;
-      const int piece = mode_.branches[Mode::at(Mode::friction_piece, i)];
+      const int piece = mode_.branch(Mode<N>::friction_piece, i);
       double* of_piece = slot(z, of_friction_piece, i);
-      const double upper = equations_.friction_of[i].upper_end(piece);
-      const double lower = equations_.friction_of[i].lower_end(piece);
+      const double upper = friction_.characteristic(i).upper_end(piece);
+      const double lower = friction_.characteristic(i).lower_end(piece);
       if (std::isfinite(upper)) of_piece[0] = upper - speed;
       if (std::isfinite(lower)) of_piece[1] = speed - lower;
-      if (equations_.is_elastic(i)) {
-        const bool armed = mode_.branches[Mode::at(Mode::creep, i)] != 0;
-        slot(z, of_creep, i)[0] = armed ? speed - creep_rate : creep_armed_rate - speed;
+      if (equations_.is_elastic(i) && creep_rate() > 0.0) {
+        const bool armed = mode_.branch(Mode<N>::creep, i) != 0;
+        slot(z, of_creep, i)[0] = armed ? speed - creep_rate() : creep_armed * creep_rate() - speed;
       }
     }
   }
 
   hybrid::Element element_of(int indicator) const override {
-    constexpr std::array<ElementKind, n_indicator_rows> kinds = {dead_zone, torque_limit, backlash,
-                                                                 friction,  friction,     friction};
+    constexpr std::array<ElementKind, n_indicator_rows> kinds = {
+        dead_zone, torque_limit, voltage_limit, voltage_limit,
+        backlash,  friction,     friction,      friction};
     return {.axis = indicator / 2 % N + 1, .kind = kinds[indicator / (2 * N)]};
   }
 
@@ -121,126 +123,139 @@ class RobotSystemOf final : public RobotSystem {
     return name + (element.axis > 0 ? " of axis " + std::to_string(element.axis) : "");
   }
 
-  double next_time_event(double t) const override {
-    return motion_ ? motion_->next_knot(t) : hybrid::never;
+  bool is_routine(hybrid::Element element) const override { return element.kind == sample; }
+
+  double next_time_event(double) const override {
+    return std::min({next_knot(), next_sample(), end_of(inputs_.of_axes, Mode<N>::input_piece),
+                     end_of(inputs_.tip_force, Mode<N>::force_piece)});
   }
 
   // --- decisions --------------------------------------------------------------------------------
 
   void initialise(double t, double* x) override {
-    std::ranges::fill(mode_.branches, 0);
-    if (motion_) mode_.branches[Mode::motion_piece] = motion_->piece_at(t);
+    if (inputs_.motion) mode_.set_counter(Mode<N>::motion_piece, inputs_.motion->piece_at(t));
+    begin_piece(inputs_.of_axes, Mode<N>::input_piece, t);
+    begin_piece(inputs_.tip_force, Mode<N>::force_piece, t);
+    if (is_sampled()) take_sample(t, x);
     freeze();
     // U', m' and delta' do not depend on the branches that they decide.
-    equations_.derivatives(t, x, motion_.get(), scratch_.data());
-    if (robot_->has_controller()) {
-      for (int i = 0; i < N; ++i) {
-        set(dead_zone, i,
-            zone(voltage(x)[i], voltage(scratch_.data())[i], drive::dead_zone_half_width[i]));
-        set(torque_limit, i,
-            zone(pt2_torque(x)[i], pt2_torque(scratch_.data())[i], drive::torque_limit[i]));
+    equations_.derivatives(t, x, scratch_.data());
+    if constexpr (Axes::switches) {
+      for (int i = 0; switches_electrically() && i < N; ++i) {
+        const double U_rate = voltage(scratch_.data())[i];
+        if (a_[i] > 0.0) mode_.set(dead_zone, i, zone(voltage(x)[i], U_rate, a_[i]));
+        mode_.set(torque_limit, i, zone(pt2_torque(x)[i], pt2_torque(scratch_.data())[i], b_[i]));
+        mode_.set(voltage_limit, i, zone(voltage(x)[i], U_rate, voltage_limit_value()));
       }
+      decide_integrals(t, x);
     }
     if (robot_->has_real_gears()) {
       const ConstView<E> delta = equations_.deflection(x);
       const ConstView<E> delta_rate = equations_.deflection(scratch_.data());
       for (int i = 0; i < E; ++i) {
         if (!equations_.gear.has_backlash(i)) continue;
-        set(backlash, i, zone(delta[i], delta_rate[i], equations_.gear.b[i]));
+        mode_.set(backlash, i, zone(delta[i], delta_rate[i], equations_.gear.b[i]));
       }
       const PerAxis<N> rate = equations_.rotor_rate(x);
-      Friction decision;
+      Occasion occasion;
       for (int i = 0; i < N; ++i) {
         const double speed = std::abs(rate[i]);
-        set(friction, i, sign(rate[i]));
-        set(Mode::friction_piece, i, equations_.friction_of[i].piece_at(speed));
-        set(Mode::creep, i, equations_.is_elastic(i) && speed > creep_armed_rate);
-        decision.at_rest[i] = rate[i] == 0.0;
+        const bool watched = equations_.is_elastic(i) && speed > creep_armed * creep_rate();
+        mode_.set(friction, i, friction_.branch_at(i, rate[i]));
+        mode_.set(Mode<N>::friction_piece, i, friction_.characteristic(i).piece_at(speed));
+        mode_.set(Mode<N>::creep, i, watched);
+        occasion.at_rest[i] = rate[i] == 0.0;
       }
       freeze();
-      decide_friction(x, decision);
+      friction_.decide(t, x, occasion);
     }
     freeze();
   }
 
   void handle_event(double t, double* x, const hybrid::Cause& cause,
                     std::vector<hybrid::Change>& log) override {
-    const std::vector<std::int32_t> before = mode_.branches;
-    if (cause.time_event) {
-      mode_.branches[Mode::motion_piece] = motion_->piece_at(t);
-      freeze();
-      log.push_back({{0, reference}, 0, 0});
+    const std::vector<std::int32_t> before = mode_.frozen().branches;
+    Occasion occasion;
+    occasion.jump = cause.input_changed;
+    if (cause.time_event) pass_time_events(t, x, occasion, log);
+    if (!cause.fired.empty()) {
+      equations_.derivatives(t, x, scratch_.data());
+      for (const int indicator : cause.fired) cross(indicator, occasion);
     }
-    equations_.derivatives(t, x, motion_.get(), scratch_.data());
-
-    Friction decision;
-    decision.jump = cause.input_changed;
-    for (const int indicator : cause.fired) {
-      const int row = indicator / (2 * N);
-      const int i = indicator / 2 % N;
-      const bool lower = indicator % 2 != 0;
-      switch (row) {
-        case of_dead_zone:
-          leave_zone(dead_zone, i, lower, voltage(scratch_.data())[i]);
-          break;
-        case of_torque_limit:
-          leave_zone(torque_limit, i, lower, pt2_torque(scratch_.data())[i]);
-          break;
-        case of_backlash:
-          leave_zone(backlash, i, lower, equations_.deflection(scratch_.data())[i]);
-          break;
-        case of_friction:
-          (branch(friction, i) == 0 ? decision.released : decision.at_rest)[i] = true;
-          break;
-        case of_friction_piece:
-          mode_.branches[Mode::at(Mode::friction_piece, i)] += lower ? -1 : +1;
-          break;
-        case of_creep:
-          if (mode_.branches[Mode::at(Mode::creep, i)] == 0) {
-            set(Mode::creep, i, 1);
-          } else {
-            set(Mode::creep, i, 0);
-            decision.creeps[i] = true;
-          }
-          break;
-      }
-    }
+    decide_integrals(t, x);
     freeze();
-    if (robot_->has_real_gears()) {
-      decide_friction(x, decision);
+    if (robot_->has_real_gears() && (occasion.jump || !cause.fired.empty())) {
+      friction_.decide(t, x, occasion);
       freeze();
     }
 
     for (int i = 0; i < N; ++i) {
       for (int kind = 0; kind < n_axis_elements; ++kind) {
-        const int old_branch = before[Mode::at(kind, i)];
-        const int new_branch = mode_.branches[Mode::at(kind, i)];
+        const int old_branch = before[kind * N + i];
+        const int new_branch = mode_.branch(kind, i);
         if (old_branch != new_branch) log.push_back({{i + 1, kind}, old_branch, new_branch});
       }
     }
   }
 
-  const hybrid::Mode& mode() const override { return mode_; }
+  const hybrid::Mode& mode() const override { return mode_.frozen(); }
 
   void set_mode(const hybrid::Mode& mode) override {
-    mode_ = mode;
+    mode_.set_frozen(mode);
     freeze();
   }
 
-  int branch(ElementKind kind, int axis) const override {
-    return mode_.branches[Mode::at(kind, axis)];
-  }
+  int branch(ElementKind kind, int axis) const override { return mode_.branch(kind, axis); }
 
   // --- inputs and outputs -----------------------------------------------------------------------
 
-  void set_motor_torque(std::span<const double> torque) override {
-    std::ranges::copy(torque, mode_.held.begin());
+  void set_input(std::span<const double> values) override {
+    mode_.input() = ConstView<N>(values.data());
     freeze();
+  }
+
+  std::span<const double> input() const override { return mode_.input(); }
+
+  void set_tip_force(const std::array<double, 3>& force) override {
+    mode_.tip_force() = ConstView<3>(force.data());
+    freeze();
+  }
+
+  std::span<const double> tip_force() const override { return mode_.tip_force(); }
+
+  void set_brakes(const std::vector<bool>& on) override {
+    for (int i = 0; i < N; ++i) {
+      mode_.set(Mode<N>::brake, i, on[i]);
+      if (on[i]) mode_.set(friction, i, 0);
+    }
+    freeze();
+  }
+
+  void check_brakes(const std::vector<bool>& on, const double* x) const override {
+    for (int i = 0; i < N; ++i) {
+      if (!on[i] || mode_.branch(Mode<N>::brake, i)) continue;
+      const std::string axis = "brakes of axis " + std::to_string(i + 1);
+      if (i < drive::n_elastic) {
+        throw std::invalid_argument(axis + ": expected none, only axes 4 to 6 have brakes");
+      }
+      const double rate = x[equations_.index_of_rate(i)];
+      if (rate != 0.0) {
+        std::ostringstream message;
+        message << axis << ": expected an axis at rest, got a joint rate of " << rate << " rad/s";
+        throw std::invalid_argument(message.str());
+      }
+    }
+  }
+
+  std::vector<bool> brakes() const override {
+    std::vector<bool> on(N);
+    for (int i = 0; i < N; ++i) on[i] = mode_.branch(Mode<N>::brake, i) != 0;
+    return on;
   }
 
   void signals(double t, const double* x, double* values) override {
     const auto signal = [values](Signal which) { return View<N>(values + which * N); };
-    const typename Equations<N>::Mechanics now = equations_.mechanics(x);
+    const auto now = equations_.mechanics(t, x);
     signal(joint_angle) = equations_.q(x);
     signal(joint_rate) = equations_.qd(x);
     signal(joint_acceleration) = now.joint_acceleration;
@@ -248,8 +263,8 @@ class RobotSystemOf final : public RobotSystem {
     signal(rotor_rate) = equations_.rotor_rate(x) + 0.0;  // rest is 0, not -0, for negative p
     for (int i = 0; i < N; ++i) {
       const motion::Reference desired =
-          motion_ ? motion_->reference(equations_.motion_piece, t, i)
-                  : motion::Reference{not_available, not_available, not_available};
+          inputs_.motion ? inputs_.motion->reference(equations_.motion_piece, t, i)
+                         : motion::Reference{not_available, not_available, not_available};
       signal(reference_angle)[i] = desired.angle;
       signal(reference_rate)[i] = desired.rate;
     }
@@ -259,33 +274,86 @@ class RobotSystemOf final : public RobotSystem {
     signal(Signal::friction_torque) = now.torques.friction;
     signal(joint_torque) = equations_.p * now.torques.gear;
     if (robot_->has_controller()) {
-      signal(Signal::voltage) = voltage(x);
+      signal(Signal::voltage) = voltage(x).max(-voltage_limit_value()).min(voltage_limit_value());
     } else {
       signal(Signal::voltage).setConstant(not_available);
     }
   }
 
  private:
-  using Mode = ModeLayout<N>;
-  static constexpr int E = Equations<N>::E;
+  static constexpr int E = Equations<N, Axes>::E;
+  using Occasion = typename FrictionDecision<N, Axes>::Occasion;
+  using Counter = typename Mode<N>::Counter;
 
-  // What a decision about friction starts from, axis by axis.
-  struct Friction {
-    std::array<bool, N> at_rest{};   // slid and has come to zero rate
-    std::array<bool, N> released{};  // stuck and has reached its limit
-    std::array<bool, N> creeps{};    // slides so slowly that it sticks if it can
-    bool jump = false;               // torques have jumped: look at every sticking axis
-  };
+  bool switches_electrically() const { return Axes::switches && robot_->has_controller(); }
+  bool is_sampled() const { return robot_->options().controller == Controller::sampled; }
+  double creep_rate() const { return robot_->options().creep_rate; }
+  double voltage_limit_value() const { return robot_->options().voltage_limit; }
 
   ConstView<N> voltage(const double* x) const {
-    return drive::Axes<N>::of(equations_.electrical(x), drive::voltage);
+    if constexpr (Axes::switches) {
+      return Axes::of(equations_.electrical(x), drive::voltage);
+    } else {
+      return Axes::of(equations_.electrical(x), drive::modelica_voltage);
+    }
   }
   ConstView<N> pt2_torque(const double* x) const {
-    return drive::Axes<N>::of(equations_.electrical(x), drive::pt2_torque);
+    return Axes::of(equations_.electrical(x), drive::pt2_torque);
   }
-  static double* slot(double* z, IndicatorRow row, int axis) { return z + row * 2 * N + 2 * axis; }
 
-  void set(int row, int axis, int branch) { mode_.branches[Mode::at(row, axis)] = branch; }
+  // --- time events ------------------------------------------------------------------------------
+
+  double next_knot() const {
+    return inputs_.motion ? inputs_.motion->end_of(mode_.counter(Mode<N>::motion_piece))
+                          : hybrid::never;
+  }
+  double next_sample() const {
+    return is_sampled() ? (mode_.counter(Mode<N>::sample_count) + 1) * sampling_time_
+                        : hybrid::never;
+  }
+  double end_of(const std::shared_ptr<const motion::Input>& input, Counter piece) const {
+    return input ? input->end_of(mode_.counter(piece)) : hybrid::never;
+  }
+  void begin_piece(const std::shared_ptr<const motion::Input>& input, Counter piece, double t) {
+    if (input) mode_.set_counter(piece, input->piece_at(t));
+  }
+
+  void pass_time_events(double t, const double* x, Occasion& occasion,
+                        std::vector<hybrid::Change>& log) {
+    const auto advance = [&](Counter counter) {
+      mode_.set_counter(counter, mode_.counter(counter) + 1);
+    };
+    if (has_come(next_knot(), t)) {
+      advance(Mode<N>::motion_piece);
+      log.push_back({{0, reference}, 0, 0});
+    }
+    if (has_come(end_of(inputs_.of_axes, Mode<N>::input_piece), t)) {
+      advance(Mode<N>::input_piece);
+      occasion.jump = true;
+    }
+    if (has_come(end_of(inputs_.tip_force, Mode<N>::force_piece), t)) {
+      advance(Mode<N>::force_piece);
+      occasion.jump = true;
+    }
+    freeze();
+    if (has_come(next_sample(), t)) {
+      advance(Mode<N>::sample_count);
+      take_sample(t, x);
+      log.push_back({{0, sample}, 0, 0});
+    }
+    freeze();
+  }
+
+  // The A/D converter reads the reference and the rotors, the D/A converter holds what the position
+  // controllers make of them (spec 4).
+  void take_sample(double t, const double* x) {
+    equations_.motion_piece = mode_.counter(Mode<N>::motion_piece);
+    mode_.input() = equations_.command_from_motion(t, x);
+  }
+
+  // --- zones and their edges --------------------------------------------------------------------
+
+  static double* slot(double* z, IndicatorRow row, int axis) { return z + row * 2 * N + 2 * axis; }
 
   // Indicators of a zone from -half_width to +half_width: in the zone its upper and lower edge,
   // outside the edge that leads back.
@@ -298,11 +366,84 @@ class RobotSystemOf final : public RobotSystem {
     }
   }
 
+  void electrical_indicators(double t, const double* x, double* z) const {
+    if constexpr (Axes::switches) {
+      const ConstView<N> U = voltage(x);
+      const ConstView<N> m = pt2_torque(x);
+      for (int i = 0; i < N; ++i) {
+        if (a_[i] > 0.0) edges(branch(dead_zone, i), U[i], a_[i], slot(z, of_dead_zone, i));
+        edges(branch(torque_limit, i), m[i], b_[i], slot(z, of_torque_limit, i));
+      }
+      if (std::isinf(voltage_limit_value())) return;
+      const PerAxis<N> e = rate_error(t, x);
+      for (int i = 0; i < N; ++i) {
+        const int side = branch(voltage_limit, i);
+        edges(side, U[i], voltage_limit_value(), slot(z, of_voltage_limit, i));
+        if (side == 0) continue;
+        slot(z, of_integral, i)[0] =
+            mode_.branch(Mode<N>::integral_rests, i) ? side * e[i] : -side * e[i];
+      }
+    }
+  }
+
+  PerAxis<N> rate_error(double t, const double* x) const {
+    return equations_.axes.rate_error(equations_.electrical(x), equations_.command(t, x));
+  }
+
+  // Beyond the limit on U the integral rests if the rate error drives it further out. The error
+  // jumps at samples.
+  void decide_integrals(double t, const double* x) {
+    if constexpr (Axes::switches) {
+      if (!switches_electrically() || std::isinf(voltage_limit_value())) return;
+      const PerAxis<N> e = rate_error(t, x);
+      for (int i = 0; i < N; ++i) {
+        mode_.set(Mode<N>::integral_rests, i, branch(voltage_limit, i) * e[i] > 0.0);
+      }
+    }
+  }
+
   // The branch of a value; on an edge it is where its rate leads.
   static int zone(double value, double rate, double half_width) {
     const bool outside =
         std::abs(value) > half_width || (std::abs(value) == half_width && sign(value) * rate > 0.0);
     return outside ? sign(value) : 0;
+  }
+
+  // An indicator has left its domain.
+  void cross(int indicator, Occasion& occasion) {
+    const int row = indicator / (2 * N);
+    const int i = indicator / 2 % N;
+    const bool lower = indicator % 2 != 0;
+    const double* rates = scratch_.data();
+    switch (row) {
+      case of_dead_zone:
+        leave_zone(dead_zone, i, lower, voltage(rates)[i]);
+        break;
+      case of_torque_limit:
+        if constexpr (Axes::switches) leave_zone(torque_limit, i, lower, pt2_torque(rates)[i]);
+        break;
+      case of_voltage_limit:
+        leave_zone(voltage_limit, i, lower, voltage(rates)[i]);
+        break;
+      case of_integral:  // decided for all axes
+        break;
+      case of_backlash:
+        leave_zone(backlash, i, lower, equations_.deflection(rates)[i]);
+        // A damper that acts in contact only makes tau jump.
+        occasion.jump |= equations_.gear.damping == drive::GearDamping::contact;
+        break;
+      case of_friction:
+        (branch(friction, i) == 0 ? occasion.released : occasion.at_rest)[i] = true;
+        break;
+      case of_friction_piece:
+        mode_.set(Mode<N>::friction_piece, i,
+                  mode_.branch(Mode<N>::friction_piece, i) + (lower ? -1 : +1));
+        break;
+      case of_creep:
+        occasion.creeps[i] = mode_.branch(Mode<N>::creep, i) != 0;
+        mode_.set(Mode<N>::creep, i, !occasion.creeps[i]);
+        break;
+    }
   }
 
   // A value has reached an edge: it changes the zone if it goes on, and has only touched the edge
@@ -311,129 +452,87 @@ class RobotSystemOf final : public RobotSystem {
     const bool inside = branch(kind, axis) == 0;
     const int outside = inside ? (lower_edge ? -1 : +1) : branch(kind, axis);
     const bool outward = rate == 0.0 ? inside : outside * rate > 0.0;
-    set(kind, axis, outward ? outside : 0);
+    mode_.set(kind, axis, outward ? outside : 0);
   }
 
   // rM, with the friction that holds sticking axes.
-  PerAxis<N> friction_torque(const double* x, const PerAxis<N>& rate) const {
-    for (int i = E; i < N; ++i) {
-      if (equations_.sticking[i]) return equations_.mechanics(x).torques.friction;
+  PerAxis<N> friction_torque(double t, const double* x) const {
+    for (int i = 0; i < N; ++i) {
+      if (equations_.sticking[i] && equations_.is_coupled(i)) {
+        return equations_.mechanics(t, x).torques.friction;
+      }
     }
-    return equations_.torques(x, rate).friction;
+    return equations_.torques(t, x).friction;
   }
 
   // Coefficients and inputs of the equations, from the mode.
   void freeze() {
-    for (int i = 0; i < N; ++i) {
-      equations_.axes.motor.NL1.set_dead_zone(i, branch(dead_zone, i),
-                                              drive::dead_zone_half_width[i]);
-      equations_.axes.motor.NL2.set_saturation(i, branch(torque_limit, i), drive::torque_limit[i]);
+    if constexpr (Axes::switches) {
+      for (int i = 0; i < N; ++i) {
+        drive::Line<N>& NL1 = equations_.axes.motor.NL1;
+        NL1.set_dead_zone(i, branch(dead_zone, i), a_[i]);
+        if (const int side = branch(voltage_limit, i); side != 0) {
+          NL1.set(i, 0.0, side * (voltage_limit_value() - a_[i]));
+        }
+        equations_.axes.motor.NL2.set_saturation(i, branch(torque_limit, i), b_[i]);
+        equations_.axes.rate_controller.integrates[i] =
+            mode_.branch(Mode<N>::integral_rests, i) ? 0.0 : 1.0;
+      }
     }
     if (robot_->has_real_gears()) {
       for (int i = 0; i < E; ++i) equations_.gear.set_branch(i, branch(backlash, i));
-      for (int i = 0; i < N; ++i) {
-        const int direction = branch(friction, i);
-        equations_.friction_of[i].set(equations_.friction, i, direction,
-                                      mode_.branches[Mode::at(Mode::friction_piece, i)]);
-        equations_.sticking[i] = direction == 0;
-      }
+      friction_.freeze();
+    } else {
+      for (int i = 0; i < N; ++i) equations_.sticking[i] = mode_.branch(Mode<N>::brake, i) != 0;
     }
-    if (!mode_.held.empty()) equations_.held_torque = ConstView<N>(mode_.held.data());
-    equations_.motion_piece = mode_.branches[Mode::motion_piece];
+    if (rings()) relax_tolerances_of_springs();
+    equations_.held_input = mode_.input();
+    equations_.held_tip_force = mode_.tip_force().matrix();
+    equations_.motion_piece = mode_.counter(Mode<N>::motion_piece);
+    equations_.input_piece = mode_.counter(Mode<N>::input_piece);
+    equations_.force_piece = mode_.counter(Mode<N>::force_piece);
   }
 
-  // Sets the branches of friction, and rates of sticking axes to exactly zero.
-  void decide_friction(double* x, Friction decision) {
-    const std::array<bool, N> stuck = equations_.sticking;
-    bool rigid_concerned = decision.jump;
-    for (int i = 0; i < N; ++i) {
-      double& rate = x[equations_.index_of_rate(i)];
-      // After a jump an axis that was about to slide is as good as one that has just stopped.
-      if (decision.jump && !stuck[i] && rate == 0.0) decision.at_rest[i] = true;
-      if (decision.at_rest[i]) rate = 0.0;
-      rigid_concerned |= i >= E && (decision.at_rest[i] || decision.released[i]);
+  // A stiff spring that holds an axis has no damping: what it rings with, 5e5 rad/s, must not be
+  // followed. Where it is at rest, and its torque with that, follows from the torques on it.
+  void relax_tolerances_of_springs() {
+    for (int i = equations_.n_elastic(); i < N; ++i) {
+      const double factor = equations_.spring_stiffness[i] > 0.0 ? relaxed : 1.0;
+      const StateGroup& angle = robot_->states()[0];
+      const StateGroup& rate = robot_->states()[1];
+      nominals_[angle.first + i] = factor * angle.nominals[i];
+      nominals_[rate.first + i] = factor * rate.nominals[i];
     }
-    decide_elastic_axes(x, decision, stuck);
-    if (N > E && rigid_concerned) decide_rigid_axes(x, decision, stuck);
-  }
-
-  // Axes 1 to 3, each on its own (spec 5.2).
-  void decide_elastic_axes(double* x, const Friction& decision, const std::array<bool, N>& stuck) {
-    const typename Equations<N>::Torques torques = equations_.torques(x, equations_.rotor_rate(x));
-    for (int i = 0; i < E; ++i) {
-      const double driving = torques.motor[i] - torques.gear[i];  // rF - tau
-      const bool holds = std::abs(driving) <= equations_.friction_of[i].sticking_limit();
-      const bool sticks_already = stuck[i] && !decision.at_rest[i];
-      if (decision.creeps[i] && !decision.at_rest[i]) {
-        if (holds) set_friction(i, 0, x);
-      } else if (decision.released[i] || (decision.at_rest[i] && !holds) ||
-                 (sticks_already && decision.jump && !holds)) {
-        set_friction(i, sign(driving), x);
-      } else if (decision.at_rest[i]) {
-        set_friction(i, 0, x);
-      }
-    }
-  }
-
-  // Axes 4 to 6 at zero rate, together (spec 5.3).
-  void decide_rigid_axes(double* x, const Friction& decision, const std::array<bool, N>& stuck) {
-    std::vector<int> resting;
-    for (int i = E; i < N; ++i) {
-      if (stuck[i] || decision.at_rest[i]) resting.push_back(i);
-    }
-    const int n = static_cast<int>(resting.size());
-    if (n == 0) return;
-
-    // Accelerations without friction on the resting axes, and how they answer to torques.
-    typename Equations<N>::Torques torques = equations_.torques(x, equations_.rotor_rate(x));
-    for (const int i : resting) torques.gear[i] = torques.motor[i];
-    const arm::EquationsOfMotion<N> eom = equations_.equations_of_motion(x);
-    const arm::Matrix<N> inverse = eom.M.inverse();
-    const arm::Vector<N> free = inverse * ((equations_.p * torques.gear).matrix() - eom.bias);
-
-    RestingAxes axes;
-    axes.W = inverse(resting, resting);
-    axes.a0 = free(resting);
-    axes.p = equations_.p(resting);
-    axes.rM_h.resize(n);
-    axes.rM_1.resize(n);
-    for (int k = 0; k < n; ++k) {
-      const int i = resting[k];
-      axes.rM_h[k] = equations_.friction_of[i].sticking_limit();
-      axes.rM_1[k] = equations_.friction_of[i].lowest_torque();
-      axes.sticks.push_back(stuck[i]);
-      axes.released.push_back(decision.released[i]);
-    }
-    const std::vector<int> branches = consistent_branches(axes);
-    for (int k = 0; k < n; ++k) {
-      set_friction(resting[k], branches[k], x);
-    }
-  }
-
-  // An axis begins to slide backward or forward (-1, +1), or sticks (0) from now on.
-  void set_friction(int axis, int direction, double* x) {
-    if (direction == 0) x[equations_.index_of_rate(axis)] = 0.0;
-    set(friction, axis, direction);
-    set(Mode::friction_piece, axis, 0);
-    set(Mode::creep, axis, 0);
   }
 
   std::shared_ptr<const Robot> robot_;
-  std::shared_ptr<const motion::Motion> motion_;
-  Equations<N> equations_;
+  Inputs inputs_;
+  Equations<N, Axes> equations_;
+  Mode<N> mode_;
+  FrictionDecision<N, Axes> friction_;
+  PerAxis<N> a_ = PerAxis<N>::Zero(), b_ = PerAxis<N>::Zero();  // of NL1 and NL2
+  double sampling_time_ = 0.0;
   std::vector<double> nominals_;
-  hybrid::Mode mode_;
   std::vector<double> scratch_;
 };
 
+template <int N, class Axes, class Table>
+std::unique_ptr<RobotSystem> system_of(std::shared_ptr<const Robot> robot, Inputs inputs) {
+  const Axes axes(std::get<Table>(robot->tables().table_1));
+  return std::make_unique<RobotSystemOf<N, Axes>>(std::move(robot), axes, std::move(inputs));
+}
+
 }  // namespace
 
-std::unique_ptr<RobotSystem> make_system(std::shared_ptr<const Robot> robot,
-                                         std::shared_ptr<const motion::Motion> motion) {
-  if (robot->n_axes() == 6) {
-    return std::make_unique<RobotSystemOf<6>>(std::move(robot), std::move(motion));
+std::unique_ptr<RobotSystem> make_system(std::shared_ptr<const Robot> robot, Inputs inputs) {
+  using drive::Axes, drive::ModelicaAxes, drive::ModelicaTable1, drive::Table1;
+  const int n = robot->n_axes();
+  if (n == 1) return system_of<1, ModelicaAxes<1>, ModelicaTable1>(std::move(robot), inputs);
+  if (n == 3) return system_of<3, Axes<3>, Table1>(std::move(robot), inputs);
+  if (is_modelica(robot->model())) {
+    return system_of<6, ModelicaAxes<6>, ModelicaTable1>(std::move(robot), inputs);
   }
-  return std::make_unique<RobotSystemOf<3>>(std::move(robot), std::move(motion));
+  return system_of<6, Axes<6>, Table1>(std::move(robot), inputs);
 }
 
 }  // namespace manutec_r3::robot

@@ -55,10 +55,20 @@ void check_per_axis(const Robot& robot, const std::string& name, const std::stri
   }
 }
 
+void require_at_most(const std::string& what, int axis, double value, double limit,
+                     const std::string& unit) {
+  if (std::abs(value) <= limit) return;
+  std::ostringstream message;
+  message << "start: " << what << " of axis " << axis + 1 << " would need " << value << ' ' << unit
+          << " to hold the arm at rest; expected at most " << limit << ' ' << unit;
+  throw std::invalid_argument(message.str());
+}
+
 void check_rigid(const Robot& robot, const std::string& name, const std::string& unit,
                  const std::vector<double>& rotor, const std::vector<double>& joint) {
+  const drive::Row& p = robot.gear_ratio();
   for (int i = robot.n_elastic(); i < robot.n_axes(); ++i) {
-    const double expected = drive::gear_ratio[i] * joint[i];
+    const double expected = p[i] * joint[i];
     if (std::abs(rotor[i] - expected) <= rigid_tolerance * (1.0 + std::abs(expected))) continue;
     std::ostringstream message;
     message << name << " of axis " << i + 1 << ": the gear is rigid, expected p times the joint's, "
@@ -67,11 +77,29 @@ void check_rigid(const Robot& robot, const std::string& name, const std::string&
   }
 }
 
+// Electrical states that hold these torques [N m] (spec 4).
+void hold_by_report_axes(const Robot& robot, const drive::Table1& table,
+                         const std::vector<double>& torque, std::vector<double>& x) {
+  for (int i = 0; i < robot.n_axes(); ++i) {
+    require_at_most("the motor", i, torque[i], table.torque_limit[i], "N m");
+    const double v = torque[i] / table.K_M[i];
+    const double U = v + (v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0) * table.dead_zone_half_width[i];
+    require_at_most("the rate controller", i, U, robot.options().voltage_limit, "V");
+    group(robot, x, "controller")[i] = U;
+    group(robot, x, "voltage")[i] = U;
+    group(robot, x, "pt2_torque")[i] = torque[i];
+  }
+}
+
 }  // namespace
+
+Start default_start(Model model) { return is_modelica(model) ? Start::arm : Start::rotor; }
 
 std::vector<double> rest_state(const Robot& robot, const motion::Motion* motion, Start start) {
   const int n = robot.n_axes();
-  const drive::ElasticGear gear;
+  const drive::Row& p = robot.gear_ratio();
+  const drive::ElasticGear<drive::n_elastic> gear(robot.tables().table_2,
+                                                  robot.options().gear_damping);
   std::vector<double> reference(n, 0.0);
   if (motion) {
     const int piece = motion->piece_at(0.0);
@@ -83,14 +111,13 @@ std::vector<double> rest_state(const Robot& robot, const motion::Motion* motion,
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
     torque = gravity_torques(robot, q);
     for (int i = 0; i < n; ++i) {
-      torque[i] /= drive::gear_ratio[i];
+      torque[i] /= p[i];
       if (std::abs(torque[i]) < zero_torque) torque[i] = 0.0;
     }
     bool converged = true;
     for (int i = 0; i < robot.n_elastic(); ++i) {
       deflection[i] = gear.deflection_under(i, torque[i]);
-      const double sagged =
-          start == Start::rotor ? reference[i] - deflection[i] / drive::gear_ratio[i] : q[i];
+      const double sagged = start == Start::rotor ? reference[i] - deflection[i] / p[i] : q[i];
       converged &= sagged == q[i];
       q[i] = sagged;
     }
@@ -101,19 +128,18 @@ std::vector<double> rest_state(const Robot& robot, const motion::Motion* motion,
   std::ranges::copy(q, group(robot, x, "joint_angle").begin());
   std::ranges::copy(deflection, group(robot, x, "deflection").begin());
   if (!robot.has_controller()) return x;
-  for (int i = 0; i < n; ++i) {
-    if (std::abs(torque[i]) > drive::torque_limit[i]) {
-      std::ostringstream message;
-      message << "start: the motor of axis " << i + 1 << " would need " << torque[i]
-              << " N m to hold the arm at rest at " << q[i] << " rad; expected at most "
-              << drive::torque_limit[i] << " N m";
-      throw std::invalid_argument(message.str());
+  if (const auto* table_1 = std::get_if<drive::Table1>(&robot.tables().table_1)) {
+    hold_by_report_axes(robot, *table_1, torque, x);
+  } else {
+    const auto& modelica = std::get<drive::ModelicaTable1>(robot.tables().table_1);
+    for (int i = 0; i < n; ++i) {
+      const double current = torque[i] / modelica.k[i];
+      const double rq = p[i] * q[i] + (i < robot.n_elastic() ? deflection[i] : 0.0);
+      group(robot, x, "current")[i] = current;
+      group(robot, x, "voltage")[i] = -50.0 * current;
+      group(robot, x, "controller")[i] =
+          current / modelica.ks[i] - modelica.kp[i] * (p[i] * reference[i] - rq);
     }
-    const double v = torque[i] / drive::K_M[i];
-    const double U = v + (v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0) * drive::dead_zone_half_width[i];
-    group(robot, x, "controller")[i] = U;
-    group(robot, x, "voltage")[i] = U;
-    group(robot, x, "pt2_torque")[i] = torque[i];
   }
   return x;
 }
@@ -129,10 +155,11 @@ std::vector<double> state_from(const Robot& robot, const Posture& posture) {
   const std::vector<double> zero(n, 0.0);
   check_per_axis(robot, "joint_angle", "rad", posture.joint_angle);
   const std::vector<double> joint_rate = given_or(posture.joint_rate, "joint_rate", "rad/s", zero);
+  const drive::Row& p = robot.gear_ratio();
   std::vector<double> rotor_angle(n), rotor_rate(n);
   for (int i = 0; i < n; ++i) {
-    rotor_angle[i] = drive::gear_ratio[i] * posture.joint_angle[i];
-    rotor_rate[i] = drive::gear_ratio[i] * joint_rate[i];
+    rotor_angle[i] = p[i] * posture.joint_angle[i];
+    rotor_rate[i] = p[i] * joint_rate[i];
   }
   rotor_angle = given_or(posture.rotor_angle, "rotor_angle", "rad", rotor_angle);
   rotor_rate = given_or(posture.rotor_rate, "rotor_rate", "rad/s", rotor_rate);
@@ -148,11 +175,16 @@ std::vector<double> state_from(const Robot& robot, const Posture& posture) {
   std::ranges::copy(posture.joint_angle, group(robot, x, "joint_angle").begin());
   std::ranges::copy(joint_rate, group(robot, x, "joint_rate").begin());
   for (int i = 0; i < robot.n_elastic(); ++i) {
-    group(robot, x, "deflection")[i] =
-        rotor_angle[i] - drive::gear_ratio[i] * posture.joint_angle[i];
+    group(robot, x, "deflection")[i] = rotor_angle[i] - p[i] * posture.joint_angle[i];
     group(robot, x, "rotor_rate")[i] = rotor_rate[i];
   }
-  if (robot.has_controller()) std::ranges::copy(torque, group(robot, x, "pt2_torque").begin());
+  if (const auto* modelica = std::get_if<drive::ModelicaTable1>(&robot.tables().table_1)) {
+    for (int i = 0; robot.has_controller() && i < n; ++i) {
+      group(robot, x, "current")[i] = torque[i] / modelica->k[i];
+    }
+  } else if (robot.has_controller()) {
+    std::ranges::copy(torque, group(robot, x, "pt2_torque").begin());
+  }
   return x;
 }
 

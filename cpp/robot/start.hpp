@@ -15,9 +15,14 @@ enum class Start {
   arm,    // arms on the reference, rotors 1 to 3 deflected
 };
 
+// What is on the reference if nothing else is asked for: the rotors, in the Modelica variant the
+// arms.
+Start default_start(Model model);
+
 // At rest at the beginning of the motion, friction torques zero, motors balance gravity; without a
 // motion at zero angles. Without a controller the balancing torques are not part of the state.
-// Throws std::invalid_argument if a motor would need more than its torque limit.
+// Throws std::invalid_argument if a motor would need more than its torque limit, or a rate
+// controller more than its limit on U.
 std::vector<double> rest_state(const Robot& robot, const motion::Motion* motion, Start start);
 
 // Per axis, n_axes values each, joint side or motor side as the names say. What is not given is

@@ -17,6 +17,13 @@
 #endif
 
 namespace manutec_r3::solver {
+namespace {
+
+// The formulas of higher order amplify undamped oscillations whose period is a few steps.
+constexpr int order_if_it_rings = 3;
+
+}  // namespace
+
 void BackwardDifferencesStep::evaluate(const hybrid::Step& step, double t, double* x) {
   if (t == step.t0) {
     std::copy_n(step.dense.data(), n_, x);
@@ -37,15 +44,16 @@ BackwardDifferences::BackwardDifferences(hybrid::System& system, double relative
     : f_(system),
       inside_(system.n_states()),
       x_(system.n_states(), context_),
-      derivative_(system.n_states(), context_) {
+      derivative_(system.n_states(), context_),
+      absolute_(system.n_states(), context_),
+      relative_(relative_tolerance) {
   const int n = system.n_states();
   cvode_ = CVodeCreate(CV_BDF, context_);
   if (cvode_ == nullptr) throw hybrid::SimulationFailure(context_.message());
   check(CVodeInit(cvode_, &RightHandSide::call, 0.0, x_));
-  Vector absolute(n, context_);
-  set_absolute_tolerances(system, relative_tolerance, absolute);
-  check(CVodeSVtolerances(cvode_, relative_tolerance, absolute));
+  set_tolerances();
   check(CVodeSetUserData(cvode_, &f_));
+  if (system.rings()) check(CVodeSetMaxOrd(cvode_, order_if_it_rings));
   jacobian_ = SUNDenseMatrix(n, n, context_);
   linear_solver_ = SUNLinSol_Dense(x_, jacobian_, context_);
   check(CVodeSetLinearSolver(cvode_, linear_solver_, jacobian_));
@@ -65,6 +73,12 @@ void BackwardDifferences::restart(double t, const double* x, double) {
   t_ = t;
   std::copy_n(x, f_.system().n_states(), x_.data());
   check(CVodeReInit(cvode_, t, x_));
+  set_tolerances();
+}
+
+void BackwardDifferences::set_tolerances() {
+  set_absolute_tolerances(f_.system(), relative_, absolute_);
+  check(CVodeSVtolerances(cvode_, relative_, absolute_));
 }
 
 void BackwardDifferences::advance(double stop, hybrid::Step& step, double* x1) {

@@ -9,6 +9,7 @@ import numpy as np
 from . import _core
 from .arguments import floats
 from .events import Events
+from .inputs import Inputs
 from .motion import Motion
 from .robot import Robot
 from .signals import Signals, signal_names
@@ -32,7 +33,10 @@ class Statistics:
         Of the integration: one for all events of an instant, one for each kink of the friction
         characteristic, one when a rotor 1 to 3 has clearly broken away (its creep is watched then).
     samples : int
-        Of a sampled controller.
+        Of a sampled controller, after the one at the start.
+    sample_evaluations : int
+        Evaluations that restarting after samples took, where nothing else happened; the next step
+        begins with them.
     seconds : float
         Wall-clock time [s].
     """
@@ -43,15 +47,20 @@ class Statistics:
     events: int
     restarts: int
     samples: int
+    sample_evaluations: int
     seconds: float
+
+    @property
+    def evaluations_per_sample(self) -> float:
+        """What a sample costs, in evaluations of the right-hand side; NaN without samples."""
+        return self.sample_evaluations / self.samples if self.samples else float("nan")
 
 
 @dataclass(frozen=True)
 class Run:
     """A recorded run: the steps of the integrator, and what they are steps of."""
 
-    robot: Robot
-    motion: Motion | None
+    inputs: Inputs
     method: Method
     trajectory: _core.Trajectory
 
@@ -79,10 +88,13 @@ class Samples(Signals):
     @cached_property
     def _values(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         run = self._run
-        motion = None if run.motion is None else run.motion._compiled
-        method = _core.Method[run.method]
         return _core.evaluate(
-            run.robot._compiled, motion, method, run.trajectory, self.time, self._step
+            run.inputs.robot._compiled,
+            run.inputs._compiled,
+            _core.Method[run.method],
+            run.trajectory,
+            self.time,
+            self._step,
         )
 
     @property
@@ -135,8 +147,8 @@ class Result(Samples):
         times: np.ndarray | None = None,
     ) -> None:
         super().__init__(run, *_instants(run.trajectory, np.unique(events.time), times))
-        self.robot = run.robot
-        self.motion = run.motion
+        self.robot = run.inputs.robot
+        self.motion = run.inputs.motion
         self.method = run.method
         self.rtol = rtol
         self.events = events

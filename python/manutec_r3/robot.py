@@ -1,7 +1,8 @@
 """The robot and its load: what is simulated."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from dataclasses import KW_ONLY, dataclass, fields
 from functools import cached_property
 from typing import Any, Literal
 
@@ -10,6 +11,18 @@ import numpy as np
 from . import _core
 from .arguments import floats, number, per_axis
 from .motion import Motion
+from .tables import TABLES, replaced
+
+# Arguments of a robot that are options of its model.
+_OPTIONS = (
+    "controller",
+    "rotor_coupling",
+    "gear_damping",
+    "stiction",
+    "arm",
+    "creep_rate",
+    "voltage_limit",
+)
 
 
 @dataclass(frozen=True)
@@ -46,67 +59,163 @@ class Load:
             raise TypeError(f"load.bounds: expected True or False, got {self.bounds!r}")
         object.__setattr__(self, "mass", mass)
         object.__setattr__(self, "position", tuple(position.tolist()))
-        _core.check_load(self.mass, self.position, self.bounds)
+        _ = self._compiled
+
+    @cached_property
+    def _compiled(self) -> _core.Load:
+        return _core.Load(self.mass, self.position, self.bounds)
+
+    def __getstate__(self) -> dict:
+        return {name: value for name, value in self.__dict__.items() if name != "_compiled"}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Robot:
-    """One of the four DLR models of the Manutec r3 (report section 4, Table 4).
+    """The robot: one of the four DLR models of the Manutec r3 (report section 4, Table 4), or one
+    of the two models of its descendant in the Modelica Standard Library, with options.
 
     Immutable, picklable, comparable.
 
     Parameters
     ----------
-    model : {1, 2, 3, 4}
+    model : {1, 2, 3, 4, "full-robot", "one-axis"}
         1: six arms, ideal gears; 2: three moving arms, ideal gears; 3: six arms, gears with
         elasticity, damping and backlash (axes 1 to 3) and friction (all axes); 4: the same with
-        three moving arms. Each with controllers and motors.
+        three moving arms. Each with controllers and motors. ``"full-robot"``: the Modelica variant
+        with six arms, other data, simpler controllers and motors, gears without backlash;
+        ``"one-axis"``: its axis 2 with a load inertia at the joint.
     load : Load, optional
-        Default: none.
-    controller : {"continuous", None}
-        Position controllers that are evaluated at every instant, or neither controllers nor motor
-        dynamics: then motor torques are inputs.
+        Default: none; of ``"full-robot"`` its own, 15 kg.
+    controller : {"continuous", "sampled", "external", None}
+        Position controllers that are evaluated at every instant; or every 8 ms, with their output
+        held; or the user's own, whose output is the input `Simulator.command`; or neither
+        controllers nor motor dynamics: then motor torques are inputs.
+    rotor_coupling : {"full", "simplified"} or a sequence of n_axes of them
+        Rotors are carried by the preceding arm and spin there, with all inertial and gyroscopic
+        terms; or they are inertias about axes fixed in space (specification section 6). Default:
+        full, behind the elastic gears of axes 1 to 3 in models 3 and 4 simplified; the Modelica
+        variant: simplified.
+    gear_damping : {"parallel", "contact"}
+        The damper of an elastic gear acts also inside the backlash, or in contact only.
+    stiction : {"exact", "stiff-spring", "stiff-damper"}
+        What holds sticking axes 4 to 6: a constraint torque, or, as the report approximates it, a
+        spring of 1e7 N m/rad or a damper of 1e7 N m s/rad on the rotor (specification section 11).
+    arm : {"lumped", "six-arm"}
+        Models 2 and 4: the rounded data of R3M2SI for arm 3 with the blocked wrist (default), or
+        the data of the six arms.
+    creep_rate : float
+        A rotor of axes 1 to 3 that slides more slowly than this counts as sticking if friction can
+        hold it [rad/s]; 0 switches that off.
+    voltage_limit : float, optional
+        Limit on the output of the rate controllers [V]: it stays there, and the controller's
+        integral rests, while it would go further. Default: none, as in the report.
+    table_1, table_2, table_3 : mapping, optional
+        Numbers that take the place of those of Tables 1 to 3, by the names that `parameters` shows:
+        ``table_1={"K_V": 0.35}`` for all axes, ``table_2={"b": {2: 0.05}}`` for axis 2,
+        ``table_3={"arms": {6: {"I33": 0.01}}}``.
 
     Raises
     ------
     ValueError, TypeError
-        What was wrong, what was expected, what arrived.
+        What was wrong, what was expected, what arrived: argument, or table, symbol and axis.
     """
 
-    model: int = 3
+    model: int | str = 3
     load: Load | None = None
-    controller: Literal["continuous"] | None = "continuous"
+    controller: Literal["continuous", "sampled", "external"] | None = "continuous"
+    _: KW_ONLY
+    rotor_coupling: str | tuple[str, ...] | None = None
+    gear_damping: Literal["parallel", "contact"] = "parallel"
+    stiction: Literal["exact", "stiff-spring", "stiff-damper"] = "exact"
+    arm: Literal["lumped", "six-arm"] | None = None
+    creep_rate: float = 1e-9
+    voltage_limit: float | None = None
+    table_1: Mapping[str, Any] | None = None
+    table_2: Mapping[str, Any] | None = None
+    table_3: Mapping[str, Any] | None = None
 
     def __post_init__(self) -> None:
-        if isinstance(self.model, bool) or not isinstance(self.model, int | np.integer):
-            raise TypeError(f"model: expected 1, 2, 3 or 4, got {self.model!r}")
+        if isinstance(self.model, np.integer):
+            object.__setattr__(self, "model", int(self.model))
+        default_load = _core.default_load(self.model)  # refuses what is no model
         if self.load is None:
-            object.__setattr__(self, "load", Load())
+            load = Load(default_load.mass, default_load.position, default_load.bounds)
+            object.__setattr__(self, "load", load)
         if not isinstance(self.load, Load):
             raise TypeError(f"load: expected a Load, got {self.load!r}")
-        if self.controller is not None and not isinstance(self.controller, str):
-            raise TypeError(f"controller: expected 'continuous' or None, got {self.controller!r}")
-        object.__setattr__(self, "model", int(self.model))
-        _ = self._compiled
+        object.__setattr__(self, "creep_rate", number("creep_rate", self.creep_rate, "rad/s"))
+        if self.voltage_limit is not None:
+            limit = number("voltage_limit", self.voltage_limit, "V")
+            object.__setattr__(self, "voltage_limit", limit)
+        for name in TABLES:
+            object.__setattr__(self, name, deepcopy(getattr(self, name)))
+        options = self._compiled.options  # the model's own, where nothing was given
+        for name in ("rotor_coupling", "arm"):
+            object.__setattr__(self, name, options[name])
 
     @cached_property
     def _compiled(self) -> _core.Robot:
-        load = self.load
-        return _core.Robot(self.model, load.mass, load.position, load.bounds, self.controller)
+        options = {name: getattr(self, name) for name in _OPTIONS}
+        given = {k: v for k, v in options.items() if v is not None or k == "controller"}
+        tables = _core.default_tables(self.model)
+        changes = {name: getattr(self, name) for name in TABLES}
+        return _core.Robot(self.model, self.load._compiled, given, replaced(tables, changes))
 
     def __getstate__(self) -> dict:
         return {name: value for name, value in self.__dict__.items() if name != "_compiled"}
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Robot) and self._compiled == other._compiled
+
+    def __hash__(self) -> int:
+        return hash((self.model, self.load, self.controller))
+
+    def __repr__(self) -> str:
+        usual = Robot(self.model)
+        shown = [f"model={self.model!r}"]
+        shown += [
+            f"{option.name}={getattr(self, option.name)!r}"
+            for option in fields(self)[1:]
+            if getattr(self, option.name) != getattr(usual, option.name)
+        ]
+        return f"Robot({', '.join(shown)})"
+
+    def replace(self, **changes: Any) -> "Robot":
+        """Return a robot that differs in some arguments of the constructor.
+
+        Rows of tables are added to those that this robot has replaced already.
+
+        Raises
+        ------
+        ValueError, TypeError
+            As the constructor.
+        """
+        names = [option.name for option in fields(self)]
+        for name in changes:
+            if name not in names:
+                raise TypeError(f"replace: expected one of {', '.join(names)}, got {name!r}")
+        same = {name: getattr(self, name) for name in names}
+        if "model" in changes and changes["model"] != self.model:
+            # What belongs to a model does not outlive it.
+            for name in ("rotor_coupling", "arm", *TABLES):
+                same[name] = None
+            if self.load == Robot(self.model).load:
+                same["load"] = None
+        for name in TABLES:
+            if isinstance(changes.get(name), Mapping) and same[name]:
+                changes[name] = {**same[name], **changes[name]}
+        return Robot(**(same | changes))
 
     # --- sizes and names ------------------------------------------------------------------------
 
     @property
     def n_axes(self) -> int:
-        """Number of moving axes: 6 or 3."""
+        """Number of moving axes: 6, 3 or 1."""
         return self._compiled.n_axes
 
     @property
     def has_real_gears(self) -> bool:
-        """Friction on all axes, elasticity and backlash on axes 1 to 3: models 3 and 4."""
+        """Friction on all axes, elasticity on axes 1 to 3: all but models 1 and 2."""
         return self._compiled.has_real_gears
 
     @property
@@ -150,25 +259,26 @@ class Robot:
 
     @property
     def parameters(self) -> dict[str, dict[str, Any]]:
-        """Tables 1 to 3 of the report as data.
+        """Tables 1 to 3 of this robot as data.
 
         ``table_1``: controllers and motors, ``table_2``: gears, ``table_3``: arms and rotors. Keys
-        are the report's symbols, values are in SI units, one per axis.
+        are the report's symbols, values are in SI units, one per axis. The Modelica variant has
+        other controllers and motors in ``table_1``.
         """
-        return _core.parameters()
+        return self._compiled.tables
 
     # --- states ---------------------------------------------------------------------------------
 
-    def rest_state(self, motion: Motion | None = None, start: str = "rotor") -> np.ndarray:
+    def rest_state(self, motion: Motion | None = None, start: str | None = None) -> np.ndarray:
         """State at rest at the beginning of a motion (specification section 4).
 
         Parameters
         ----------
         motion : Motion, optional
             Default: rest at zero angles.
-        start : {"rotor", "arm"}
-            What is on the reference: the rotors, as the controller demands, so that arms 1 to 3
-            sag; or the arms.
+        start : {"rotor", "arm"}, optional
+            What is on the reference: the rotors, as the controllers demand, so that arms 1 to 3
+            sag; or the arms. Default: the rotors; in the Modelica variant the arms.
 
         Returns
         -------
@@ -179,6 +289,8 @@ class Robot:
         ValueError
             If a motor would need more than its torque limit, or the motion does not fit the robot.
         """
+        if start is None:
+            start = _core.default_start(self._compiled)
         if not isinstance(start, str):
             raise TypeError(f"start: expected 'rotor' or 'arm', got {start!r}")
         return self._compiled.rest_state(self._core_motion(motion), start)
@@ -230,7 +342,7 @@ class Robot:
         if motion is None:
             return None
         if not isinstance(motion, Motion):
-            raise TypeError(f"motion: expected a Quintic, Trapezoid or Hold, got {motion!r}")
+            raise TypeError(f"motion: expected a motion such as Quintic, got {motion!r}")
         self._compiled.check_motion(motion._compiled)
         return motion._compiled
 
@@ -297,7 +409,9 @@ class Robot:
         q = per_axis("q", q, "rad", self.n_axes)
         all_axes = np.zeros((*q.shape[:-1], 6))
         all_axes[..., : self.n_axes] = q
-        return _core.link_poses(all_axes.reshape(-1, 6)).reshape(*q.shape[:-1], 7, 4, 4)
+        return _core.link_poses(self._compiled, all_axes.reshape(-1, 6)).reshape(
+            *q.shape[:-1], 7, 4, 4
+        )
 
     def load_position(self, q: np.ndarray) -> np.ndarray:
         """Position (..., 3) of the load in the world [m] for angles `q` (..., n_axes) [rad]."""

@@ -8,9 +8,10 @@ from typing import get_args
 import numpy as np
 
 from . import _core
-from .arguments import floats, number, numbers, per_axis
+from .arguments import floats, number, numbers
 from .errors import SimulationError
 from .events import Event, Events
+from .inputs import Input, Inputs, braked, force, gather, input_of, one_per_axis
 from .motion import Motion
 from .result import Method, Result, Run, Statistics
 from .robot import Robot
@@ -20,6 +21,8 @@ from .signals import Signals, signal_names
 # slowly for ever against friction and backlash (specification section 8) [s].
 _SETTLING = 0.5
 
+InputLike = Sequence[float] | Callable[[float], Sequence[float]] | Input
+
 
 def simulate(
     robot: Robot,
@@ -27,9 +30,14 @@ def simulate(
     t_end: float,
     *,
     rtol: float | None = None,
-    method: Method = "erk",
-    start: str | Sequence[float] = "rotor",
+    method: Method | None = None,
+    start: str | Sequence[float] | None = None,
     times: Sequence[float] | None = None,
+    list_samples: bool = False,
+    motor_torque: InputLike | None = None,
+    command: InputLike | None = None,
+    tip_force: InputLike | None = None,
+    brakes: bool | Sequence[bool] = False,
     progress: Callable[[float], None] | None = None,
 ) -> Result:
     """Simulate a robot that follows a motion.
@@ -40,20 +48,33 @@ def simulate(
         What to simulate.
     motion : Motion or None
         Reference of its joint angles, with as many axes as the robot has; for three moving axes
-        also six with axes 4 to 6 exactly zero. None only without a controller.
+        also six with axes 4 to 6 exactly zero. None only if no position controller follows it.
     t_end : float
         End of the run [s]; it begins at 0.
     rtol : float, optional
         Tolerance, relative to each state's nominal value as well as to its value. The default of
         each method is the loosest for which control errors and motor torques stay within 1e-6 of
         their range.
-    method : {"erk", "bdf"}
-        Explicit Runge-Kutta, Verner's 7(6), or backward differentiation formulas.
-    start : {"rotor", "arm"} or array_like (n_states,)
-        At rest with the rotors, or with the arms, on the reference; or a state.
+    method : {"erk", "bdf"}, optional
+        Explicit Runge-Kutta, Verner's 7(6), or backward differentiation formulas. Default:
+        ``"erk"``, but ``"bdf"`` for a robot with stiff springs or dampers, which has no other.
+    start : {"rotor", "arm"} or array_like (n_states,), optional
+        At rest with the rotors, or with the arms, on the reference; or a state. Default: the
+        rotors; in the Modelica variant the arms.
     times : array_like, optional
         Instants to record [s], besides the events; default: all steps of the integrator. They do
         not change its steps.
+    list_samples : bool
+        Whether the samples of a sampled controller stand in the table of events; they are always
+        counted in the statistics.
+    motor_torque : array_like (n_axes,), callable or Input, optional
+        Torques [N m], motor side, of a robot without controller: held, or a function of time.
+    command : array_like (n_axes,), callable or Input, optional
+        What the rate controllers of a robot with ``controller="external"`` get [V].
+    tip_force : array_like (3,), callable or Input, optional
+        Force that acts on the load, in the world [N].
+    brakes : bool or sequence of n_axes bools
+        Axes 4 to 6 that are held by their brakes, from the start at rest; True: all of them.
     progress : callable, optional
         Called with the time reached [s] now and then.
 
@@ -87,15 +108,27 @@ def simulate(
         raise TypeError(f"progress: expected a function of the time, got {progress!r}")
 
     began = perf_counter()
-    simulator = Simulator(robot, motion, rtol=rtol, method=method, start=start, _record=True)
+    simulator = Simulator(
+        robot,
+        motion,
+        rtol=rtol,
+        method=method,
+        start=start,
+        list_samples=list_samples,
+        motor_torque=motor_torque,
+        command=command,
+        tip_force=tip_force,
+        brakes=brakes,
+        _record=True,
+    )
     core = simulator._compiled
 
     def result() -> Result:
         return Result(
-            Run(robot, motion, method, core.trajectory),
+            Run(simulator.inputs, simulator.method, core.trajectory),
             simulator.rtol,
             Events(Event(*event) for event in core.events(0)),
-            Statistics(**core.statistics, samples=0, seconds=perf_counter() - began),
+            Statistics(**core.statistics, seconds=perf_counter() - began),
             core.time,
             None if times is None else times[times <= core.time],
         )
@@ -119,7 +152,7 @@ class SavedState:
     """
 
     time: float
-    of: tuple[Robot, Motion | None, Method, float] = field(repr=False)
+    of: tuple[Inputs, Method, float] = field(repr=False)
     core: _core.Snapshot = field(repr=False)
     untold: tuple[Event, ...] = field(repr=False)
 
@@ -136,11 +169,12 @@ class Simulator(Signals):
         What to simulate.
     motion : Motion, optional
         Reference of its joint angles; may be missing only without a controller.
-    rtol, method, start
-        As in `simulate`. Branches are decided from the start by physics.
+    rtol, method, start, list_samples, motor_torque, command, tip_force, brakes
+        As in `simulate`. Branches are decided from the start by physics. Samples that are not
+        listed do not end `step_to_event`.
     """
 
-    __slots__ = ("_compiled", "_untold", "method", "motion", "robot", "rtol")
+    __slots__ = ("_compiled", "_untold", "inputs", "method", "rtol")
 
     def __init__(
         self,
@@ -148,24 +182,29 @@ class Simulator(Signals):
         motion: Motion | None = None,
         *,
         rtol: float | None = None,
-        method: Method = "erk",
-        start: str | Sequence[float] = "rotor",
+        method: Method | None = None,
+        start: str | Sequence[float] | None = None,
+        list_samples: bool = False,
+        motor_torque: InputLike | None = None,
+        command: InputLike | None = None,
+        tip_force: InputLike | None = None,
+        brakes: bool | Sequence[bool] = False,
         _record: bool = False,
     ) -> None:
-        if not isinstance(robot, Robot):
-            raise TypeError(f"robot: expected a Robot, got {robot!r}")
-        core_motion = robot._core_motion(motion)
-        if motion is None and robot.controller is not None:
-            raise ValueError("motion: expected a motion for the controllers to follow, got None")
-        if method not in get_args(Method):
-            raise ValueError(f"method: expected 'erk' or 'bdf', got {method!r}")
-        core_method = _core.Method[method]
+        given = {"motor_torque": motor_torque, "command": command, "tip_force": tip_force}
+        self.inputs, held = gather(robot, motion, given)
+        inputs = self.inputs._compiled
+        if not isinstance(list_samples, bool):
+            raise TypeError(f"list_samples: expected True or False, got {list_samples!r}")
+        self.method = _method(robot, method)
+        core_method = _core.Method[self.method]
         if rtol is None:
             rtol = _core.default_tolerance(core_method)
         rtol = number("rtol", rtol, "1")
         if not 1e-14 <= rtol <= 1e-2:
             raise ValueError(f"rtol: expected a tolerance from 1e-14 to 1e-2, got {rtol:g}")
-        if isinstance(start, str):
+        self.rtol = rtol
+        if start is None or isinstance(start, str):
             state = robot.rest_state(motion, start)
         else:
             state = numbers("start", start, "'rotor', 'arm' or a state vector")
@@ -175,17 +214,29 @@ class Simulator(Signals):
                     f"got shape {state.shape}"
                 )
             robot._compiled.check_state(state)
-        self.robot = robot
-        self.motion = motion
-        self.method = method
-        self.rtol = rtol
         self._untold: list[Event] = []  # events that have happened and nobody has been told of
         try:
             self._compiled = _core.Simulator(
-                robot._compiled, core_motion, state, rtol, core_method, _record
+                robot._compiled, inputs, state, rtol, core_method, _record, list_samples
             )
         except _core.SimulationFailure as failure:
             raise SimulationError(0.0, state, {}, str(failure)) from None
+        if held.of_axes is not None:
+            self._set(self._compiled.set_input, held.of_axes)
+        if held.tip_force is not None:
+            self._set(self._compiled.set_tip_force, held.tip_force)
+        if np.any(brakes):
+            self.brakes = brakes
+
+    @property
+    def robot(self) -> Robot:
+        """What is simulated."""
+        return self.inputs.robot
+
+    @property
+    def motion(self) -> Motion | None:
+        """Reference of its joint angles."""
+        return self.inputs.motion
 
     # --- the present instant --------------------------------------------------------------------
 
@@ -201,12 +252,12 @@ class Simulator(Signals):
 
     @property
     def branches(self) -> dict[str, np.ndarray]:
-        """Branches (n_axes,) of ``dead_zone``, ``torque_limit``, ``backlash``, ``friction``."""
+        """Branches (n_axes,) of each element, such as ``friction``: -1, 0, +1."""
         return self._compiled.branches
 
     @property
     def statistics(self) -> dict[str, int]:
-        """Evaluations, steps, rejected steps, events and restarts so far."""
+        """Evaluations, steps, rejected steps, events, restarts and samples so far."""
         return self._compiled.statistics
 
     def _signal(self, name: str) -> np.ndarray:
@@ -223,18 +274,65 @@ class Simulator(Signals):
 
     @motor_torque.setter
     def motor_torque(self, torque: Sequence[float]) -> None:
-        if self.robot.controller is not None:
+        self._set_input_of_axes("motor_torque", torque)
+
+    @property
+    def command(self) -> np.ndarray:
+        """What the rate controllers get (n_axes,) [V], if it is held.
+
+        With ``controller="external"`` it is an input: held until it is set again, zero at first.
+        With ``"sampled"`` it is what was made of the latest sample.
+        """
+        if self.robot.controller not in ("external", "sampled"):
             raise AttributeError(
-                "motor_torque: expected a robot with controller=None to set it, "
+                "command: expected a robot with controller='external' or 'sampled', "
                 f"got controller={self.robot.controller!r}"
             )
-        torque = per_axis("motor_torque", torque, "N m", self.robot.n_axes)
-        if torque.ndim != 1:
-            raise ValueError(
-                f"motor_torque: expected {self.robot.n_axes} values [N m], got shape {torque.shape}"
+        return self._compiled.input
+
+    @command.setter
+    def command(self, command: Sequence[float]) -> None:
+        self._set_input_of_axes("command", command)
+
+    @property
+    def tip_force(self) -> np.ndarray:
+        """Force on the load (3,), in the world [N]: held until it is set again, zero at first."""
+        return self._compiled.tip_force
+
+    @tip_force.setter
+    def tip_force(self, value: Sequence[float]) -> None:
+        if self.inputs.tip_force is not None:
+            raise AttributeError("tip_force: it is a function of time and cannot be set")
+        self._set(self._compiled.set_tip_force, force(value))
+
+    @property
+    def brakes(self) -> np.ndarray:
+        """Which axes are held by their brakes (n_axes,): axes 4 to 6 have some.
+
+        They can be put on axes at rest only. All of them put on at zero angles turn model 3 into
+        model 4, and model 1 into model 2, with the data of six arms.
+        """
+        return np.array(self._compiled.brakes)
+
+    @brakes.setter
+    def brakes(self, brakes: bool | Sequence[bool]) -> None:
+        self._set(self._compiled.set_brakes, braked(brakes, self.robot.n_axes))
+
+    def _set_input_of_axes(self, name: str, values: Sequence[float]) -> None:
+        expected, unit = input_of(self.robot) or ("", "")
+        if name != expected:
+            needed = {"motor_torque": "None", "command": "'external'"}[name]
+            raise AttributeError(
+                f"{name}: expected a robot with controller={needed} to set it, "
+                f"got controller={self.robot.controller!r}"
             )
+        if self.inputs.of_axes is not None:
+            raise AttributeError(f"{name}: it is a function of time and cannot be set")
+        self._set(self._compiled.set_input, one_per_axis(name, values, unit, self.robot.n_axes))
+
+    def _set(self, setter: Callable, value: object) -> None:
         told = self._compiled.n_events
-        self._compiled.set_motor_torque(torque)
+        setter(value)
         self._untold += [Event(*event) for event in self._compiled.events(told)]
 
     # --- advancing ------------------------------------------------------------------------------
@@ -321,7 +419,7 @@ class Simulator(Signals):
         """Return everything that the future depends on; give it to `restore`."""
         return SavedState(
             self.time,
-            (self.robot, self.motion, self.method, self.rtol),
+            (self.inputs, self.method, self.rtol),
             self._compiled.save(),
             tuple(self._untold),
         )
@@ -339,14 +437,30 @@ class Simulator(Signals):
         """
         if not isinstance(saved, SavedState):
             raise TypeError(f"saved: expected what save() returned, got {saved!r}")
-        if saved.of != (self.robot, self.motion, self.method, self.rtol):
+        if saved.of != (self.inputs, self.method, self.rtol):
+            inputs, method, rtol = saved.of
             raise ValueError(
                 f"saved: expected a state of {self.robot}, {self.motion}, method {self.method!r}, "
-                f"rtol {self.rtol:g}; got one of {saved.of[0]}, {saved.of[1]}, "
-                f"method {saved.of[2]!r}, rtol {saved.of[3]:g}"
+                f"rtol {self.rtol:g}; got one of {inputs.robot}, {inputs.motion}, "
+                f"method {method!r}, rtol {rtol:g}"
             )
         self._compiled.restore(saved.core)
         self._untold = list(saved.untold)
 
     def __repr__(self) -> str:
         return f"<Simulator of model {self.robot.model} at {self.time:g} s>"
+
+
+def _method(robot: Robot, method: Method | None) -> Method:
+    """Return the method asked for, or the robot's own."""
+    is_stiff = robot.stiction != "exact"
+    if method is None:
+        return "bdf" if is_stiff else "erk"
+    if method not in get_args(Method):
+        raise ValueError(f"method: expected 'erk' or 'bdf', got {method!r}")
+    if is_stiff and method != "bdf":
+        raise ValueError(
+            f"method: expected 'bdf' for stiction={robot.stiction!r}, "
+            f"which no explicit method can follow, got {method!r}"
+        )
+    return method

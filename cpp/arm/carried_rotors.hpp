@@ -1,0 +1,30 @@
+// Rotors behind elastic gears that the arms carry along (spec 6, coupling "full"): rotor j spins in
+// arm j-1 about rn_j, at a rate rq'_j of its own. The arms contain the rotors frozen; what the spin
+// adds is
+//
+//   row of joint i    sum_j rJ_j <an_i, rn_j> rq''_j + rJ_j rq'_j <an_i, w_{j-1} x rn_j>,  i < j
+//   row of rotor j    rJ_j rq''_j + rJ_j (sum_i <an_i, rn_j> aq''_i + <rn_j, w'_{j-1}>)
+//
+// with w'_{j-1} at aq'' = 0.
+#pragma once
+
+#include "arm/vector.hpp"
+
+namespace manutec_r3::arm {
+
+template <int N>
+struct CarriedRotors {
+  Matrix<N> projection;  // <an_i, rn_j> in row i < j, column j; 0 elsewhere
+  Matrix<N> swing;       // <an_i, w_{j-1} x rn_j> likewise [rad/s]
+  Vector<N> drift;       // <rn_j, w'_{j-1}> at aq'' = 0 [rad/s^2]
+};
+
+// Angles and rates of the joints [rad, rad/s].
+template <int N>
+CarriedRotors<N> carried_rotors(const Vector<N>& q, const Vector<N>& qd);
+
+extern template CarriedRotors<1> carried_rotors(const Vector<1>&, const Vector<1>&);
+extern template CarriedRotors<3> carried_rotors(const Vector<3>&, const Vector<3>&);
+extern template CarriedRotors<6> carried_rotors(const Vector<6>&, const Vector<6>&);
+
+}  // namespace manutec_r3::arm

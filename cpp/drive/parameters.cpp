@@ -1,0 +1,90 @@
+// What the numbers of the tables must be.
+#include "drive/parameters.hpp"
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "drive/modelica_parameters.hpp"
+
+namespace manutec_r3::drive {
+namespace {
+
+[[noreturn]] void refuse(const std::string& where, const std::string& expected,
+                         const std::string& unit, double got) {
+  std::ostringstream message;
+  message << where << ": expected " << expected << " [" << unit << "], got " << got;
+  throw std::invalid_argument(message.str());
+}
+
+std::string of_axis(const std::string& where, std::size_t axis) {
+  return where + " of axis " + std::to_string(axis + 1);
+}
+
+// A row of a table, in its different shapes.
+void check_row(const std::string& where, const std::string& unit, Sign sign, double value) {
+  require(where, unit, sign, value);
+}
+
+template <std::size_t n>
+void check_row(const std::string& where, const std::string& unit, Sign sign,
+               const std::array<double, n>& row) {
+  for (std::size_t i = 0; i < n; ++i) require(of_axis(where, i), unit, sign, row[i]);
+}
+
+void check_row(const std::string& where, const std::string& unit, Sign sign,
+               const std::array<FrictionPoints, 6>& row) {
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    const std::string here = of_axis(where, i);
+    if (row[i].size() < 2) refuse(here, "two points or more", unit, row[i].size());
+    double after = -1.0;
+    for (const auto& [rate, torque] : row[i]) {
+      require(here, unit, sign, torque);
+      if (!std::isfinite(rate) || (after < 0.0 ? rate != 0.0 : rate <= after)) {
+        refuse(here, "rates that begin at 0 and increase", "rad/s", rate);
+      }
+      after = rate;
+    }
+  }
+}
+
+template <class Table>
+void check_rows(const std::string& name, const Table& table) {
+  Table::for_each_row(table,
+                      [&name](const char* symbol, const char* unit, Sign sign, const auto& row) {
+                        check_row(name + " " + symbol, unit, sign, row);
+                      });
+}
+
+}  // namespace
+
+void require(const std::string& where, const std::string& unit, Sign sign, double value) {
+  const bool good = sign == Sign::any            ? true
+                    : sign == Sign::not_zero     ? value != 0.0
+                    : sign == Sign::not_negative ? value >= 0.0
+                                                 : value > 0.0;
+  if (std::isfinite(value) && good) return;
+  refuse(where,
+         sign == Sign::any            ? "a finite value"
+         : sign == Sign::not_zero     ? "a finite value other than 0"
+         : sign == Sign::not_negative ? "a finite value of 0 or more"
+                                      : "a positive finite value",
+         unit, value);
+}
+
+void check(const Table1& table) { check_rows("table_1", table); }
+
+void check(const ModelicaTable1& table) { check_rows("table_1", table); }
+
+void check(const Table2& table) {
+  check_rows("table_2", table);
+  for (std::size_t i = 0; i < table.sticking_limit.size(); ++i) {
+    const double rM_1 = table.sliding_friction[i].front().torque;
+    if (table.sticking_limit[i] >= rM_1) continue;
+    std::ostringstream expected;
+    expected << "at least rM_1, the first point of friction, " << rM_1;
+    refuse(of_axis("table_2 rM_h", i), expected.str(), "N m", table.sticking_limit[i]);
+  }
+}
+
+}  // namespace manutec_r3::drive
