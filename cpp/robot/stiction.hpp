@@ -1,4 +1,4 @@
-// Which of the axes with rigid gears that are at zero rate stick (spec 5.3).
+// Which of the axes that are at zero rate stick (spec 5.3).
 //
 // With the friction torques r (motor side) of the resting axes, their accelerations are
 //
@@ -16,11 +16,16 @@
 
 namespace manutec_r3::robot {
 
+// For each resting axis, at most six.
+using RestingVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
+using RestingMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+
+// An axis is a joint with a rigid gear, or the rotor (p = 1) behind an elastic one.
 struct RestingAxes {
-  Eigen::MatrixXd W;           // [1/(kg m^2)], joint side
-  Eigen::VectorXd a0;          // [rad/s^2], joint side
-  Eigen::VectorXd p;           // gear ratios
-  Eigen::VectorXd rM_h, rM_1;  // [N m], motor side
+  RestingMatrix W;             // [1/(kg m^2)], joint side
+  RestingVector a0;            // [rad/s^2], joint side
+  RestingVector p;             // gear ratios
+  RestingVector rM_h, rM_1;    // [N m], motor side; rM_h = infinity: a brake, which never slides
   std::vector<bool> sticks;    // already
   std::vector<bool> released;  // has just reached its limit: it must slide
 };
