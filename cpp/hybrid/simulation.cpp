@@ -276,13 +276,16 @@ void Simulation::handle_event(bool input_changed) {
   changes_.clear();
   x0_ = now_.x;
   const Mode before = system_.mode();
+  const bool due = now_.event;
   try {
     system_.handle_event(
         now_.time, now_.x.data(),
         {.fired = now_.fired, .time_event = now_.time_event, .input_changed = input_changed},
         changes_);
+    restart(integrator_.next_size());
   } catch (...) {
     now_.x = x0_;
+    now_.event = due;
     system_.set_mode(before);
     throw;
   }
@@ -291,7 +294,6 @@ void Simulation::handle_event(bool input_changed) {
     events_.push_back({now_.time, change.element, change.before, change.after});
   }
   ++restarts_;
-  restart(integrator_.next_size());
   for (const int i : now_.fired) {
     const Element element = system_.element_of(i);
     if (now_.guard.exceeded(element, now_.time)) {

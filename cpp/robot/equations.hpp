@@ -179,11 +179,12 @@ class Equations {
     }
 
     if (controlled_) {
+      std::array<motion::Reference, N> desired;
+      motion->reference(motion_piece, t, desired);
       PerAxis<N> aq_d, aqd_d;
       for (int i = 0; i < N; ++i) {
-        const motion::Reference reference = motion->reference(motion_piece, t, i);
-        aq_d[i] = reference.angle;
-        aqd_d[i] = reference.rate;
+        aq_d[i] = desired[i].angle;
+        aqd_d[i] = desired[i].rate;
       }
       const PerAxis<N> command = axes.position_controller.command(aq_d, aqd_d, rotor_angle(x));
       axes.derivatives(electrical(x), command, rqd, electrical(dx));

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "hybrid/crossing.hpp"
 #include "robot/equations.hpp"
 #include "robot/stiction.hpp"
 
@@ -19,6 +20,9 @@ constexpr double creep_rate = 1e-9;
 constexpr double creep_armed_rate = 1e-8;
 
 constexpr double not_available = std::numeric_limits<double>::quiet_NaN();
+
+// Whether a time event is due at t: the simulation may stop for it a few roundoffs early.
+bool has_come(double event, double t) { return t >= event - hybrid::simultaneous(event); }
 
 int sign(double value) { return (value > 0.0) - (value < 0.0); }
 
@@ -121,8 +125,8 @@ class RobotSystemOf final : public RobotSystem {
     return name + (element.axis > 0 ? " of axis " + std::to_string(element.axis) : "");
   }
 
-  double next_time_event(double t) const override {
-    return motion_ ? motion_->next_knot(t) : hybrid::never;
+  double next_time_event(double) const override {
+    return motion_ ? motion_->end_of(mode_.branches[Mode::motion_piece]) : hybrid::never;
   }
 
   // --- decisions --------------------------------------------------------------------------------
@@ -167,7 +171,8 @@ class RobotSystemOf final : public RobotSystem {
                     std::vector<hybrid::Change>& log) override {
     const std::vector<std::int32_t> before = mode_.branches;
     if (cause.time_event) {
-      mode_.branches[Mode::motion_piece] = motion_->piece_at(t);
+      std::int32_t& piece = mode_.branches[Mode::motion_piece];
+      while (has_come(motion_->end_of(piece), t)) ++piece;
       freeze();
       log.push_back({{0, reference}, 0, 0});
     }
@@ -246,12 +251,12 @@ class RobotSystemOf final : public RobotSystem {
     signal(joint_acceleration) = now.joint_acceleration;
     signal(rotor_angle) = equations_.rotor_angle(x);
     signal(rotor_rate) = equations_.rotor_rate(x) + 0.0;  // rest is 0, not -0, for negative p
+    std::array<motion::Reference, N> desired;
+    desired.fill({not_available, not_available});
+    if (motion_) motion_->reference(equations_.motion_piece, t, desired);
     for (int i = 0; i < N; ++i) {
-      const motion::Reference desired =
-          motion_ ? motion_->reference(equations_.motion_piece, t, i)
-                  : motion::Reference{not_available, not_available, not_available};
-      signal(reference_angle)[i] = desired.angle;
-      signal(reference_rate)[i] = desired.rate;
+      signal(reference_angle)[i] = desired[i].angle;
+      signal(reference_rate)[i] = desired[i].rate;
     }
     signal(control_error) = signal(reference_angle) - signal(joint_angle);
     signal(motor_torque) = now.torques.motor;

@@ -14,7 +14,7 @@ All quantities are in SI units; axes are counted from 1.
 
 from .errors import SimulationError
 from .events import Event, Events
-from .motion import Hold, Motion, Quintic, Trapezoid
+from .motion import FunctionMotion, Hold, Motion, Quintic, Sequence, Spline, Trapezoid
 from .result import Result, Samples, Statistics
 from .robot import Load, Robot
 from .scenario import Scenario, scenarios
@@ -23,6 +23,7 @@ from .simulation import Simulator, simulate
 __all__ = [
     "Event",
     "Events",
+    "FunctionMotion",
     "Hold",
     "Load",
     "Motion",
@@ -31,8 +32,10 @@ __all__ = [
     "Robot",
     "Samples",
     "Scenario",
+    "Sequence",
     "SimulationError",
     "Simulator",
+    "Spline",
     "Statistics",
     "Trapezoid",
     "scenarios",
