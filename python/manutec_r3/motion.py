@@ -302,7 +302,10 @@ _Function = Callable[[float], abc.Sequence[float]]
 
 @dataclass(frozen=True, repr=False)
 class FunctionMotion(Motion):
-    """Any functions of time. The slow path: a simulation calls them whenever it needs a reference.
+    """Any functions of time: the slow path.
+
+    Each evaluation of the robot's equations calls `angle` and `rate` once: with NumPy inside them
+    a run takes several times as long as one along polynomials.
 
     From 0 to `duration` the motion is what the functions say; it rests at ``angle(0)`` before and
     at ``angle(duration)`` after. Between neighbours of 0, `knots` and `duration` the functions must
