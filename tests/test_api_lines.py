@@ -568,9 +568,9 @@ BAD = [
     ),
     (lambda: r3.Load(-1.0, bounds=False), r"load\.mass: expected .*0 kg.*, got -1 kg"),
     # motions
-    (lambda: r3.Quintic([0] * 4, [0] * 4, 1.0), r"start: expected 3 or 6 angles \[rad\], got 4"),
+    (lambda: r3.Quintic([0] * 4, [0] * 4, 1.0), r"start: expected 1, 3 or 6 .*\[rad\], got 4"),
     (lambda: r3.Quintic([0] * 6, [0] * 5, 1.0), r"end: expected 6 .*, got 5"),
-    (lambda: r3.Quintic(0.0, [0] * 6, 1.0), r"start: expected 3 or 6 .*\[rad\].*, got .*\(\)"),
+    (lambda: r3.Quintic(0.0, [0] * 6, 1.0), r"start: expected 1, 3 or 6 .*\[rad\].*\(\)"),
     (lambda: r3.Quintic([0, 0, NAN], [0] * 3, 1.0), r"start of axis 3: .*finite.*\[rad\], got nan"),
     (lambda: r3.Quintic([0] * 3, [0, INF, 0], 1.0), r"end of axis 2: .*finite.*\[rad\], got inf"),
     (lambda: r3.Quintic("abc", [0] * 3, 1.0), r"start: expected .*numbers \[rad\].*, got 'abc'"),
@@ -590,7 +590,7 @@ BAD = [
         r"acceleration of axis 3: expected .*finite.*\[rad/s\^2\], got nan",
     ),
     (lambda: r3.Trapezoid([0] * 3, [1] * 3, [1] * 2, [1] * 3), r"rate: expected 3 values.*, got 2"),
-    (lambda: r3.Hold([0, 0]), r"angles: expected 3 or 6 angles \[rad\], got 2"),
+    (lambda: r3.Hold([0, 0]), r"angles: expected 1, 3 or 6 angles \[rad\], got 2"),
     (lambda: r3.Hold([0, NAN, 0]), r"angles of axis 2: expected .*finite.*\[rad\], got nan"),
     (lambda: HOLD.angle(NAN), r"t: expected finite .*\[s\], got nan"),
     # runs

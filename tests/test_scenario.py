@@ -74,7 +74,9 @@ def test_a_path_may_be_a_string(write):
     [
         r3.Quintic([0.0] * 3, [0.1, 0.2, 0.3], 0.5),
         r3.Trapezoid([0.0] * 3, [0.1, 0.2, 0.3], [2.5] * 3, [10.0] * 3),
-        r3.Hold([0.1, 0.2, 0.3]),
+        r3.Spline([0.0, 0.2, 0.5], [[0.0] * 3, [0.1, 0.2, 0.3], [0.0] * 3]),
+        r3.Hold([0.1, 0.2, 0.3], 0.5),
+        r3.Sequence([r3.Hold([0.0] * 3, 0.25), r3.Quintic([0.0] * 3, [0.1, 0.2, 0.3], 0.5)]),
     ],
     ids=lambda motion: type(motion).__name__,
 )
@@ -83,12 +85,16 @@ def test_each_motion_has_its_table(write, motion):
         r3.Quintic: 'type = "quintic"\nstart = [0, 0, 0]\nend = [0.1, 0.2, 0.3]\nduration = 0.5',
         r3.Trapezoid: 'type = "trapezoid"\nstart = [0, 0, 0]\nend = [0.1, 0.2, 0.3]\n'
         "rate = [2.5, 2.5, 2.5]\nacceleration = [10, 10, 10]",
-        r3.Hold: 'type = "hold"\nangles = [0.1, 0.2, 0.3]',
+        r3.Spline: 'type = "spline"\ntimes = [0, 0.2, 0.5]\n'
+        "angles = [[0, 0, 0], [0.1, 0.2, 0.3], [0, 0, 0]]",
+        r3.Hold: 'type = "hold"\nangles = [0.1, 0.2, 0.3]\nduration = 0.5',
+        r3.Sequence: 'type = "sequence"\n'
+        '[[motion.motions]]\ntype = "hold"\nangles = [0, 0, 0]\nduration = 0.25\n'
+        '[[motion.motions]]\ntype = "quintic"\nstart = [0, 0, 0]\nend = [0.1, 0.2, 0.3]\n'
+        "duration = 0.5",
     }[type(motion)]
     loaded = r3.Scenario.load(write(f"t_end = 1\n[robot]\nmodel = 2\n[motion]\n{table}\n")).motion
-    assert type(loaded) is type(motion)
-    t = np.linspace(0.0, 1.0, 11)
-    np.testing.assert_array_equal(loaded.angle(t), motion.angle(t))
+    assert loaded == motion
 
 
 def test_arguments_of_run_take_the_place_of_the_scenarios_own(write):
@@ -112,6 +118,18 @@ MISTAKES = [
     ("mass = 2.5", "mass = 1, position = [0, 0.2]", r"\[robot.load\]: position: .* \[m\], got"),
     ('"hold"', '"holt"', r"\[motion\]: type: expected .* got 'holt', did you mean 'hold'"),
     ("angles", "angle", r"\[motion\]: unknown key 'angle', did you mean 'angles'"),
+    ('"hold"', '"function"', r"\[motion\]: type: expected .* got 'function'"),
+    ('"hold"', '"spline"\ntimes = [0, 1]', r"\[motion\]: angles: expected a list of lists"),
+    (
+        'type = "hold"\nangles = [0.1, -0.2, 0.3]',
+        'type = "sequence"\nmotions = [{ type = "hold", angels = [0] }]',
+        r"\[motion\]: motions\[0\]: unknown key 'angels', did you mean 'angles'",
+    ),
+    (
+        'type = "hold"\nangles = [0.1, -0.2, 0.3]',
+        'type = "sequence"\nmotions = [3]',
+        r"\[motion\]: motions: expected a list of tables, one for each motion, got \[3\]",
+    ),
     ("[0.1, -0.2, 0.3]", "0.1", r"\[motion\]: angles: .* \[rad\], got 0.1"),
     ("rtol = 1e-6", "rtol = 0", r"\[solver\]: rtol: expected a positive number, got 0"),
     ('"bdf"', '"euler"', r"\[solver\]: method: expected .* got 'euler'"),

@@ -279,17 +279,20 @@ void Simulation::handle_event(bool input_changed) {
   changes_.clear();
   x0_ = now_.x;
   const Mode before = system_.mode();
+  const bool due = now_.event;
+  const long evaluations_before = integrator_.work().evaluations;
   try {
     system_.handle_event(
         now_.time, now_.x.data(),
         {.fired = now_.fired, .time_event = now_.time_event, .input_changed = input_changed},
         changes_);
+    restart(integrator_.next_size());
   } catch (...) {
     now_.x = x0_;
+    now_.event = due;
     system_.set_mode(before);
     throw;
   }
-  const long evaluations_before = integrator_.work().evaluations;
   bool only_routine = !changes_.empty() && now_.fired.empty();
   for (const Change& change : changes_) {
     if (now_.time == start_) break;  // semantics 5
@@ -300,7 +303,6 @@ void Simulation::handle_event(bool input_changed) {
     events_.push_back({now_.time, change.element, change.before, change.after});
   }
   ++restarts_;
-  restart(integrator_.next_size());
   if (only_routine) {
     routine_evaluations_ += integrator_.work().evaluations - evaluations_before;
   }

@@ -8,12 +8,29 @@
 #include <string>
 #include <utility>
 
+#include "motion/spline.hpp"
+
 namespace manutec_r3::motion {
 namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Angles of two motions that follow each other may differ by roundoff of whatever made them [rad].
+constexpr double meeting_tolerance = 1e-9;
+// Between the knots of functions there must be room to ask them at different times: [s] in the
+// first second, later a part of the time.
+constexpr double shortest_piece = 1e-9;
+// Accelerations are differences of rates over this time, in which hardly anything changes and ten
+// digits of the difference survive [s].
+constexpr double difference_time = 1e-5;
+
+// The latest instant that lies before t however t has been rounded.
+double just_before(double t) { return t - 4.0 * (t - std::nextafter(t, -infinity)); }
 
 template <class Value>
 [[noreturn]] void refuse(const std::string& field, const std::string& expected, Value got) {
   std::ostringstream message;
+  message.precision(12);
   message << field << ": expected " << expected << ", got " << got;
   throw std::invalid_argument(message.str());
 }
@@ -22,10 +39,23 @@ std::string of_axis(const std::string& field, std::size_t axis) {
   return field + " of axis " + std::to_string(axis + 1);
 }
 
+std::string entry(const std::string& field, std::size_t index) {
+  return field + "[" + std::to_string(index) + "]";
+}
+
+std::string in_seconds(double t) {
+  std::ostringstream text;
+  text.precision(12);
+  text << t << " s";
+  return text.str();
+}
+
+void check_number_of_axes(const std::string& field, std::size_t n) {
+  if (n != 1 && n != 3 && n != most_axes) refuse(field, "1, 3 or 6 angles [rad]", n);
+}
+
 void check_angles(const std::string& field, std::span<const double> angles) {
-  if (angles.size() != 3 && angles.size() != 6) {
-    refuse(field, "3 or 6 angles [rad]", angles.size());
-  }
+  check_number_of_axes(field, angles.size());
   for (std::size_t i = 0; i < angles.size(); ++i) {
     if (!std::isfinite(angles[i])) refuse(of_axis(field, i), "a finite angle [rad]", angles[i]);
   }
@@ -45,40 +75,137 @@ void check_limits(const std::string& field, const std::string& unit,
   }
 }
 
+void check_duration(double duration) {
+  if (!(std::isfinite(duration) && duration > 0.0)) {
+    refuse("duration", "a positive finite time [s]", duration);
+  }
+}
+
 // start + (end - start) s(x) on every axis, for a path parameter s given by its coefficients.
 Piece along_line(double begin, double length, std::span<const double> start,
                  std::span<const double> end, const std::array<double, 6>& path) {
-  Piece piece{begin, length, {}};
+  Polynomials line{begin, length, {}};
   for (std::size_t i = 0; i < start.size(); ++i) {
     std::array<double, 6> coefficients;
     for (std::size_t k = 0; k < path.size(); ++k) coefficients[k] = (end[i] - start[i]) * path[k];
     coefficients[0] += start[i];
-    piece.coefficients.push_back(coefficients);
+    line.coefficients.push_back(coefficients);
   }
-  return piece;
+  return {begin, std::move(line)};
 }
 
 // Exactly at rest, exactly at the angles.
 Piece at_rest(double begin, std::span<const double> angles) {
-  Piece piece{begin, 1.0, {}};
-  for (const double angle : angles) piece.coefficients.push_back({angle});
-  return piece;
+  Polynomials rest{begin, 1.0, {}};
+  for (const double angle : angles) rest.coefficients.push_back({angle});
+  return {begin, std::move(rest)};
 }
 
 std::vector<double> copied(std::span<const double> values) {
   return {values.begin(), values.end()};
 }
 
+std::vector<double> angles_at(const Motion& motion, double t) {
+  std::array<Reference, most_axes> references;
+  motion.reference(motion.piece_at(t), t, std::span(references).first(motion.n_axes()));
+  std::vector<double> angles;
+  for (int i = 0; i < motion.n_axes(); ++i) angles.push_back(references[i].angle);
+  return angles;
+}
+
+// --- what the laws of pieces give
+// -----------------------------------------------------------------
+
+void reference_of(const Polynomials& law, double t, int, std::span<Reference> references) {
+  const double x = (t - law.begin) / law.length;
+  for (std::size_t i = 0; i < references.size(); ++i) {
+    const std::array<double, 6>& c = law.coefficients[i];
+    const double slope = c[1] + x * (2 * c[2] + x * (3 * c[3] + x * (4 * c[4] + x * 5 * c[5])));
+    references[i] = {c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5])))),
+                     slope / law.length};
+  }
+}
+
+void acceleration_of(const Polynomials& law, double t, int, std::span<double> accelerations) {
+  const double x = (t - law.begin) / law.length;
+  for (std::size_t i = 0; i < accelerations.size(); ++i) {
+    const std::array<double, 6>& c = law.coefficients[i];
+    const double second = 2 * c[2] + x * (6 * c[3] + x * (12 * c[4] + x * 20 * c[5]));
+    accelerations[i] = second / (law.length * law.length);
+  }
+}
+
+using Values = std::array<double, most_axes>;
+
+Values values_of(const Function& function, double t, int n_axes) {
+  Values values;
+  function(t, std::span(values).first(n_axes));
+  return values;
+}
+
+void reference_of(const PieceOfFunctions& law, double t, int n_axes,
+                  std::span<Reference> references) {
+  const double inside = std::clamp(t, law.begin, just_before(law.end));
+  const Values angle = values_of(law.functions->angle, inside, n_axes);
+  const Values rate = values_of(law.functions->rate, inside, n_axes);
+  for (std::size_t i = 0; i < references.size(); ++i) references[i] = {angle[i], rate[i]};
+}
+
+void acceleration_of(const PieceOfFunctions& law, double t, int n_axes,
+                     std::span<double> accelerations) {
+  const double last = just_before(law.end);
+  const double inside = std::clamp(t, law.begin, last);
+  const Functions& functions = *law.functions;
+  if (functions.acceleration) {
+    const Values acceleration = values_of(functions.acceleration, inside, n_axes);
+    std::copy_n(acceleration.begin(), accelerations.size(), accelerations.begin());
+    return;
+  }
+  // The slope of the parabola through the rates at three instants of the piece: in their middle it
+  // is the central difference, towards the ends of the piece it is as accurate.
+  const double h = std::min(difference_time, 0.25 * (last - law.begin));
+  const double middle = std::clamp(inside, law.begin + h, last - h);
+  const double left = middle - h, right = middle + h;
+  const Values a = values_of(functions.rate, left, n_axes);
+  const Values b = values_of(functions.rate, middle, n_axes);
+  const Values c = values_of(functions.rate, right, n_axes);
+  const double off_middle = (inside - middle) / h;
+  for (std::size_t i = 0; i < accelerations.size(); ++i) {
+    const double bend = (c[i] - b[i]) - (b[i] - a[i]);
+    accelerations[i] = (c[i] - a[i]) / (right - left) + off_middle * bend / h;
+  }
+}
+
+void reference_of(const PieceOfMotion& law, double t, int, std::span<Reference> references) {
+  law.motion->reference(law.piece, t - law.begin, references);
+}
+
+void acceleration_of(const PieceOfMotion& law, double t, int, std::span<double> accelerations) {
+  law.motion->acceleration(law.piece, t - law.begin, accelerations);
+}
+
+bool rests_at_zero(const Polynomials& law, int axis) {
+  return std::ranges::all_of(law.coefficients[axis], [](double c) { return c == 0.0; });
+}
+
+bool rests_at_zero(const PieceOfFunctions&, int) { return false; }
+
+bool rests_at_zero(const PieceOfMotion& law, int axis) { return law.motion->rests_at_zero(axis); }
+
 }  // namespace
 
-Motion::Motion(std::vector<double> start, std::vector<Piece> pieces)
-    : start_(std::move(start)), pieces_(std::move(pieces)) {
+// --- a motion
+// -------------------------------------------------------------------------------------
+
+Motion::Motion(std::vector<double> start, std::vector<Piece> pieces, double duration)
+    : start_(std::move(start)), pieces_(std::move(pieces)), duration_(duration) {
   for (const Piece& piece : pieces_) knots_.push_back(piece.begin);
 }
 
 bool Motion::rests_at_zero(int axis) const {
   return start_[axis] == 0.0 && std::ranges::all_of(pieces_, [axis](const Piece& piece) {
-           return std::ranges::all_of(piece.coefficients[axis], [](double c) { return c == 0.0; });
+           return std::visit([axis](const auto& law) { return motion::rests_at_zero(law, axis); },
+                             piece.law);
          });
 }
 
@@ -87,30 +214,39 @@ int Motion::piece_at(double t) const {
 }
 
 double Motion::end_of(int piece) const {
-  const std::size_t next = static_cast<std::size_t>(piece + 1);
-  return next < knots_.size() ? knots_[next] : std::numeric_limits<double>::infinity();
+  const std::size_t next = piece + 1;
+  return next < knots_.size() ? knots_[next] : infinity;
 }
 
-Reference Motion::reference(int piece, double t, int axis) const {
-  if (piece < 0) return {start_[axis], 0.0, 0.0};
-  const Piece& now = pieces_[piece];
-  const std::array<double, 6>& c = now.coefficients[axis];
-  const double x = (t - now.begin) / now.length;
-  const double first = c[1] + x * (2 * c[2] + x * (3 * c[3] + x * (4 * c[4] + x * 5 * c[5])));
-  const double second = 2 * c[2] + x * (6 * c[3] + x * (12 * c[4] + x * 20 * c[5]));
-  return {c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5])))), first / now.length,
-          second / (now.length * now.length)};
+void Motion::reference(int piece, double t, std::span<Reference> references) const {
+  if (piece < 0) {
+    for (std::size_t i = 0; i < references.size(); ++i) references[i] = {start_[i], 0.0};
+    return;
+  }
+  std::visit([&](const auto& law) { reference_of(law, t, n_axes(), references); },
+             pieces_[piece].law);
 }
+
+void Motion::acceleration(int piece, double t, std::span<double> accelerations) const {
+  if (piece < 0) {
+    std::ranges::fill(accelerations, 0.0);
+    return;
+  }
+  std::visit([&](const auto& law) { acceleration_of(law, t, n_axes(), accelerations); },
+             pieces_[piece].law);
+}
+
+// --- the kinds of motions
+// -------------------------------------------------------------------------
 
 Motion quintic(std::span<const double> start, std::span<const double> end, double duration) {
   check_angles("start", start);
   check_length("end", end, start.size());
   check_angles("end", end);
-  if (!(std::isfinite(duration) && duration > 0.0)) {
-    refuse("duration", "a positive finite time [s]", duration);
-  }
+  check_duration(duration);
   return {copied(start),
-          {along_line(0.0, duration, start, end, {0, 0, 0, 10, -15, 6}), at_rest(duration, end)}};
+          {along_line(0.0, duration, start, end, {0, 0, 0, 10, -15, 6}), at_rest(duration, end)},
+          duration};
 }
 
 Motion trapezoid(std::span<const double> start, std::span<const double> end,
@@ -124,8 +260,8 @@ Motion trapezoid(std::span<const double> start, std::span<const double> end,
   check_limits("acceleration", "rad/s^2", acceleration);
 
   // The path parameter s(t) from 0 to 1 is led by the slowest axis.
-  double s_rate = std::numeric_limits<double>::infinity();
-  double s_acceleration = std::numeric_limits<double>::infinity();
+  double s_rate = infinity;
+  double s_acceleration = infinity;
   for (std::size_t i = 0; i < start.size(); ++i) {
     const double distance = std::abs(end[i] - start[i]);
     s_rate = std::min(s_rate, rate[i] / distance);
@@ -147,12 +283,121 @@ Motion trapezoid(std::span<const double> start, std::span<const double> end,
   pieces.push_back(
       along_line(brake, ramp, start, end, {1.0 - share, 2.0 * share, -share, 0, 0, 0}));
   pieces.push_back(at_rest(brake + ramp, end));
-  return {copied(start), std::move(pieces)};
+  return {copied(start), std::move(pieces), brake + ramp};
 }
 
-Motion hold(std::span<const double> angles) {
+Motion spline(std::span<const double> times, std::span<const double> angles) {
+  const std::size_t n = times.size();
+  if (n < 2) refuse("times", "at least 2 instants [s]", n);
+  if (!(times[0] >= 0.0)) refuse("times[0]", "a finite time from 0 s on", times[0]);
+  for (std::size_t k = 1; k < n; ++k) {
+    if (std::isfinite(times[k]) && times[k] > times[k - 1]) continue;
+    refuse(entry("times", k), "a finite time after " + in_seconds(times[k - 1]), times[k]);
+  }
+  const std::size_t n_axes = angles.size() / n;
+  const auto row = [&](std::size_t k) { return angles.subspan(k * n_axes, n_axes); };
+  for (std::size_t k = 0; k < n; ++k) check_angles(entry("angles", k), row(k));
+
+  std::vector<Piece> pieces;
+  for (std::size_t k = 0; k + 1 < n; ++k) {
+    pieces.push_back({times[k], Polynomials{times[k], times[k + 1] - times[k], {}}});
+  }
+  std::vector<double> values(n);
+  for (std::size_t i = 0; i < n_axes; ++i) {
+    for (std::size_t k = 0; k < n; ++k) values[k] = row(k)[i];
+    const std::vector<double> slopes = slopes_of_spline(times, values);
+    for (const double slope : slopes) {
+      if (!std::isfinite(slope)) refuse(of_axis("angles", i), "finite rates [rad/s]", slope);
+    }
+    for (std::size_t k = 0; k + 1 < n; ++k) {
+      Polynomials& law = std::get<Polynomials>(pieces[k].law);
+      const double way = values[k + 1] - values[k];
+      const double first = law.length * slopes[k], last = law.length * slopes[k + 1];
+      law.coefficients.push_back(
+          {values[k], first, 3.0 * way - 2.0 * first - last, first + last - 2.0 * way});
+    }
+  }
+  pieces.push_back(at_rest(times.back(), row(n - 1)));
+  return {copied(row(0)), std::move(pieces), times.back()};
+}
+
+Motion hold(std::span<const double> angles, double duration) {
   check_angles("angles", angles);
-  return {copied(angles), {}};
+  if (!(std::isfinite(duration) && duration >= 0.0)) {
+    refuse("duration", "a finite time that is not negative [s]", duration);
+  }
+  return {copied(angles), {}, duration};
+}
+
+Motion sequence(std::span<const std::shared_ptr<const Motion>> members) {
+  if (members.empty()) refuse("motions", "at least one motion", 0);
+  const int n_axes = members[0]->n_axes();
+  std::vector<double> angles = angles_at(*members[0], 0.0);
+  std::vector<double> start = angles;
+  std::vector<Piece> pieces;
+  double begin = 0.0;
+  const auto add = [&](const std::shared_ptr<const Motion>& member, double knot, int piece) {
+    // Later knots of the same instant prevail: motions without duration leave no trace.
+    while (!pieces.empty() && pieces.back().begin >= begin + knot) pieces.pop_back();
+    Piece& added = pieces.emplace_back();
+    added.begin = begin + knot;
+    added.law = PieceOfMotion{begin, member, piece};
+  };
+
+  for (std::size_t m = 0; m < members.size(); ++m) {
+    const std::shared_ptr<const Motion>& member = members[m];
+    if (member->n_axes() != n_axes) {
+      refuse(entry("motions", m), std::to_string(n_axes) + " axes as in motions[0]",
+             member->n_axes());
+    }
+    if (m > 0) {
+      const std::vector<double> here = angles_at(*member, 0.0);
+      for (int i = 0; i < n_axes; ++i) {
+        if (std::abs(here[i] - angles[i]) <= meeting_tolerance) continue;
+        std::ostringstream expected;
+        expected.precision(12);
+        expected << "to begin on axis " << i + 1 << " at " << angles[i] << " rad, where "
+                 << entry("motions", m - 1) << " ends at " << in_seconds(begin);
+        refuse(entry("motions", m), expected.str(), here[i]);
+      }
+      add(member, 0.0, member->piece_at(0.0));
+    }
+    for (std::size_t k = 0; k < member->knots().size(); ++k) {
+      add(member, member->knots()[k], static_cast<int>(k));
+    }
+    begin += member->duration();
+    angles = angles_at(*member, member->duration());
+  }
+  return {std::move(start), std::move(pieces), begin};
+}
+
+Motion functions(std::size_t n_axes, Functions functions, double duration,
+                 std::span<const double> knots) {
+  check_number_of_axes("angle(0 s)", n_axes);
+  check_duration(duration);
+  std::vector<double> begins = {0.0};
+  begins.insert(begins.end(), knots.begin(), knots.end());
+  begins.push_back(duration);
+  for (std::size_t k = 1; k < begins.size(); ++k) {
+    const double length = begins[k] - begins[k - 1];
+    if (length >= shortest_piece * std::max(1.0, begins[k])) continue;
+    refuse(k <= knots.size() ? entry("knots", k - 1) : "duration",
+           "a time after " + in_seconds(begins[k - 1]) + " by a 1e-9th or more", begins[k]);
+  }
+  // Whatever is wrong with a function shall be seen before it is used.
+  std::vector<double> start(n_axes), end(n_axes), derivative(n_axes);
+  functions.angle(0.0, start);
+  functions.angle(duration, end);
+  functions.rate(0.0, derivative);
+  if (functions.acceleration) functions.acceleration(0.0, derivative);
+
+  const auto shared = std::make_shared<const Functions>(std::move(functions));
+  std::vector<Piece> pieces;
+  for (std::size_t k = 0; k + 1 < begins.size(); ++k) {
+    pieces.push_back({begins[k], PieceOfFunctions{begins[k], begins[k + 1], shared}});
+  }
+  pieces.push_back(at_rest(duration, end));
+  return {std::move(start), std::move(pieces), duration};
 }
 
 }  // namespace manutec_r3::motion

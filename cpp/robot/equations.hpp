@@ -112,11 +112,12 @@ class Equations {
 
   // The output of the position controllers, evaluated now.
   PerAxis<N> command_from_motion(double t, const double* x) const {
+    std::array<motion::Reference, N> desired;
+    inputs_.motion->reference(motion_piece, t, desired);
     PerAxis<N> aq_d, aqd_d;
     for (int i = 0; i < N; ++i) {
-      const motion::Reference reference = inputs_.motion->reference(motion_piece, t, i);
-      aq_d[i] = reference.angle;
-      aqd_d[i] = reference.rate;
+      aq_d[i] = desired[i].angle;
+      aqd_d[i] = desired[i].rate;
     }
     return axes.position_controller.command(aq_d, aqd_d, rotor_angle(x));
   }

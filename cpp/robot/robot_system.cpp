@@ -41,7 +41,7 @@ enum IndicatorRow {
 };
 
 // Whether an announced instant has come: instants that are one are decided at once.
-bool has_come(double instant, double t) { return t >= instant - hybrid::simultaneous(t); }
+bool has_come(double instant, double t) { return t >= instant - hybrid::simultaneous(instant); }
 
 template <int N, class Axes>
 class RobotSystemOf final : public RobotSystem {
@@ -261,12 +261,12 @@ class RobotSystemOf final : public RobotSystem {
     signal(joint_acceleration) = now.joint_acceleration;
     signal(rotor_angle) = equations_.rotor_angle(x);
     signal(rotor_rate) = equations_.rotor_rate(x) + 0.0;  // rest is 0, not -0, for negative p
+    std::array<motion::Reference, N> desired;
+    desired.fill({not_available, not_available});
+    if (inputs_.motion) inputs_.motion->reference(equations_.motion_piece, t, desired);
     for (int i = 0; i < N; ++i) {
-      const motion::Reference desired =
-          inputs_.motion ? inputs_.motion->reference(equations_.motion_piece, t, i)
-                         : motion::Reference{not_available, not_available, not_available};
-      signal(reference_angle)[i] = desired.angle;
-      signal(reference_rate)[i] = desired.rate;
+      signal(reference_angle)[i] = desired[i].angle;
+      signal(reference_rate)[i] = desired[i].rate;
     }
     signal(control_error) = signal(reference_angle) - signal(joint_angle);
     signal(motor_torque) = now.torques.motor;
@@ -320,24 +320,22 @@ class RobotSystemOf final : public RobotSystem {
 
   void pass_time_events(double t, const double* x, Occasion& occasion,
                         std::vector<hybrid::Change>& log) {
-    const auto advance = [&](Counter counter) {
-      mode_.set_counter(counter, mode_.counter(counter) + 1);
+    // Passes whatever ends at this instant, and tells whether something does.
+    const auto pass = [&](Counter counter, const auto& next) {
+      const int before = mode_.counter(counter);
+      while (has_come(next(), t)) mode_.set_counter(counter, mode_.counter(counter) + 1);
+      return mode_.counter(counter) > before;
     };
-    if (has_come(next_knot(), t)) {
-      advance(Mode<N>::motion_piece);
+    if (pass(Mode<N>::motion_piece, [&] { return next_knot(); })) {
       log.push_back({{0, reference}, 0, 0});
     }
-    if (has_come(end_of(inputs_.of_axes, Mode<N>::input_piece), t)) {
-      advance(Mode<N>::input_piece);
-      occasion.jump = true;
-    }
-    if (has_come(end_of(inputs_.tip_force, Mode<N>::force_piece), t)) {
-      advance(Mode<N>::force_piece);
-      occasion.jump = true;
-    }
+    const bool torques_jump =
+        pass(Mode<N>::input_piece, [&] { return end_of(inputs_.of_axes, Mode<N>::input_piece); });
+    const bool force_jumps =
+        pass(Mode<N>::force_piece, [&] { return end_of(inputs_.tip_force, Mode<N>::force_piece); });
+    occasion.jump |= torques_jump || force_jumps;
     freeze();
-    if (has_come(next_sample(), t)) {
-      advance(Mode<N>::sample_count);
+    if (pass(Mode<N>::sample_count, [&] { return next_sample(); })) {
       take_sample(t, x);
       log.push_back({{0, sample}, 0, 0});
     }

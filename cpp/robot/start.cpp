@@ -102,8 +102,9 @@ std::vector<double> rest_state(const Robot& robot, const motion::Motion* motion,
                                                   robot.options().gear_damping);
   std::vector<double> reference(n, 0.0);
   if (motion) {
-    const int piece = motion->piece_at(0.0);
-    for (int i = 0; i < n; ++i) reference[i] = motion->reference(piece, 0.0, i).angle;
+    std::vector<motion::Reference> desired(n);
+    motion->reference(motion->piece_at(0.0), 0.0, desired);
+    for (int i = 0; i < n; ++i) reference[i] = desired[i].angle;
   }
 
   // Torques depend on where the arms sag to, and where they sag to on the torques.

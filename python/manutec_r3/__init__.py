@@ -15,7 +15,7 @@ All quantities are in SI units; axes are counted from 1.
 from .errors import SimulationError
 from .events import Event, Events
 from .inputs import Input
-from .motion import Hold, Motion, Quintic, Trapezoid
+from .motion import FunctionMotion, Hold, Motion, Quintic, Sequence, Spline, Trapezoid
 from .result import Result, Samples, Statistics
 from .robot import Load, Robot
 from .scenario import Scenario, scenarios
@@ -24,6 +24,7 @@ from .simulation import Simulator, simulate
 __all__ = [
     "Event",
     "Events",
+    "FunctionMotion",
     "Hold",
     "Input",
     "Load",
@@ -33,8 +34,10 @@ __all__ = [
     "Robot",
     "Samples",
     "Scenario",
+    "Sequence",
     "SimulationError",
     "Simulator",
+    "Spline",
     "Statistics",
     "Trapezoid",
     "scenarios",

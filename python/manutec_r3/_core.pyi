@@ -33,8 +33,11 @@ class Motion:
     def duration(self) -> float: ...
     @property
     def knots(self) -> _Floats: ...
-    def evaluate(self, t: _Floats) -> tuple[_Floats, _Floats, _Floats]:
-        """Angle, rate, acceleration (n, n_axes) at `t` (n,)."""
+    def reference(self, t: _Floats) -> tuple[_Floats, _Floats]:
+        """Angle and rate (n, n_axes) at `t` (n,)."""
+
+    def acceleration(self, t: _Floats) -> _Floats:
+        """Acceleration (n, n_axes) at `t` (n,)."""
 
 def quintic(start: Sequence[float], end: Sequence[float], duration: float) -> Motion: ...
 def trapezoid(
@@ -43,7 +46,16 @@ def trapezoid(
     rate: Sequence[float],
     acceleration: Sequence[float],
 ) -> Motion: ...
-def hold(angle: Sequence[float]) -> Motion: ...
+def spline(times: Sequence[float], angles: Sequence[Sequence[float]]) -> Motion: ...
+def hold(angle: Sequence[float], duration: float) -> Motion: ...
+def sequence(motions: Sequence[Motion]) -> Motion: ...
+def functions(
+    angle: Callable[[float], Sequence[float]],
+    rate: Callable[[float], Sequence[float]],
+    duration: float,
+    knots: Sequence[float],
+    acceleration: Callable[[float], Sequence[float]] | None,
+) -> Motion: ...
 
 class Robot:
     def __init__(

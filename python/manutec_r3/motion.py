@@ -1,9 +1,12 @@
 """Reference motions: the joint angles that the controllers are to follow."""
 
+import weakref
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections import abc
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +15,9 @@ from .arguments import floats, number, numbers
 
 
 class Motion(ABC):
-    """What all motions have in common; use `Quintic`, `Trapezoid` or `Hold`.
+    """What all motions have in common.
+
+    Use `Quintic`, `Trapezoid`, `Spline`, `Hold`, a `Sequence` of them, or a `FunctionMotion`.
 
     A motion begins at 0 s; before, it rests at its start. It is immutable, comparable, picklable.
     At its knots it is right-continuous.
@@ -36,7 +41,7 @@ class Motion(ABC):
 
     @property
     def n_axes(self) -> int:
-        """Number of axes: 3 or 6."""
+        """Number of axes: 1, 3 or 6."""
         return self._compiled.n_axes
 
     @property
@@ -52,27 +57,36 @@ class Motion(ABC):
         ndarray (..., n_axes)
             Angles [rad], for `t` of shape (...).
         """
-        return self._evaluate(t, 0)
+        return self._evaluate(t, lambda t: self._compiled.reference(t)[0])
 
     def rate(self, t: float | np.ndarray) -> np.ndarray:
         """Joint rates at time(s) `t` [s]: an array (..., n_axes) [rad/s]."""
-        return self._evaluate(t, 1)
+        return self._evaluate(t, lambda t: self._compiled.reference(t)[1])
 
     def acceleration(self, t: float | np.ndarray) -> np.ndarray:
         """Joint accelerations at time(s) `t` [s]: an array (..., n_axes) [rad/s^2]."""
-        return self._evaluate(t, 2)
+        return self._evaluate(t, self._compiled.acceleration)
 
-    def _evaluate(self, t: float | np.ndarray, derivative: int) -> np.ndarray:
+    def _evaluate(
+        self, t: float | np.ndarray, function: Callable[[np.ndarray], np.ndarray]
+    ) -> np.ndarray:
         t = floats("t", t, "s")
-        return self._compiled.evaluate(t.ravel())[derivative].reshape(*t.shape, self.n_axes)
+        return function(t.ravel()).reshape(*t.shape, self.n_axes)
 
 
-def _tuple(name: str, values: Sequence[float], unit: str) -> tuple[float, ...]:
-    array = numbers(name, values, f"3 or 6 numbers [{unit}], one per axis")
+def _tuple(name: str, values: abc.Sequence[float], unit: str) -> tuple[float, ...]:
+    array = numbers(name, values, f"1, 3 or 6 numbers [{unit}], one per axis")
     if array.ndim != 1:
         raise ValueError(
-            f"{name}: expected 3 or 6 values [{unit}], one per axis, got shape {array.shape}"
+            f"{name}: expected 1, 3 or 6 values [{unit}], one per axis, got shape {array.shape}"
         )
+    return tuple(array.tolist())
+
+
+def _instants(name: str, values: abc.Sequence[float]) -> tuple[float, ...]:
+    array = numbers(name, values, "instants [s]")
+    if array.ndim != 1:
+        raise ValueError(f"{name}: expected a list of instants [s], got shape {array.shape}")
     return tuple(array.tolist())
 
 
@@ -84,7 +98,7 @@ class Quintic(Motion):
 
     Parameters
     ----------
-    start, end : sequence of 3 or 6 floats
+    start, end : sequence of 1, 3 or 6 floats
         Joint angles [rad].
     duration : float
         Time from start to end [s], positive.
@@ -120,7 +134,7 @@ class Trapezoid(Motion):
 
     Parameters
     ----------
-    start, end : sequence of 3 or 6 floats
+    start, end : sequence of 1, 3 or 6 floats
         Joint angles [rad].
     rate : sequence of floats
         Largest joint rates [rad/s], positive.
@@ -140,10 +154,10 @@ class Trapezoid(Motion):
 
     def __init__(
         self,
-        start: Sequence[float],
-        end: Sequence[float],
-        rate: Sequence[float],
-        acceleration: Sequence[float],
+        start: abc.Sequence[float],
+        end: abc.Sequence[float],
+        rate: abc.Sequence[float],
+        acceleration: abc.Sequence[float],
     ) -> None:
         self._freeze(
             start=_tuple("start", start, "rad"),
@@ -169,25 +183,208 @@ class Trapezoid(Motion):
 
 
 @dataclass(frozen=True)
-class Hold(Motion):
-    """Stay where it is; the duration is zero.
+class Spline(Motion):
+    """The cubic spline through given angles: accelerations are continuous.
+
+    It rests at the first angles until the first time, begins and ends with zero rate, and rests at
+    the last angles from the last time on. Every time is a knot.
 
     Parameters
     ----------
-    angles : sequence of 3 or 6 floats
-        Joint angles [rad].
+    times : sequence of n floats
+        Instants [s], at least two, ascending, the first not before 0.
+    angles : array_like (n, n_axes)
+        Joint angles [rad] at these instants, for 1, 3 or 6 axes.
+
+    Raises
+    ------
+    ValueError, TypeError
+        What was wrong (argument, axis, unit), what was expected, what arrived.
     """
 
-    angles: tuple[float, ...]
+    times: tuple[float, ...]
+    angles: tuple[tuple[float, ...], ...]
 
     def __post_init__(self) -> None:
-        self._freeze(angles=_tuple("angles", self.angles, "rad"))
+        times = _instants("times", self.times)
+        angles = numbers("angles", self.angles, "numbers [rad], a row of angles for each time")
+        if angles.ndim != 2 or len(angles) != len(times):
+            raise ValueError(
+                f"angles: expected shape ({len(times)}, n_axes), a row of angles [rad] for each "
+                f"time, got shape {angles.shape}"
+            )
+        self._freeze(times=times, angles=tuple(map(tuple, angles.tolist())))
 
     @property
     def duration(self) -> float:
-        """Zero [s]."""
+        """The last of the times [s]."""
         return self._compiled.duration
 
     @cached_property
     def _compiled(self) -> _core.Motion:
-        return _core.hold(self.angles)
+        return _core.spline(self.times, self.angles)
+
+
+@dataclass(frozen=True)
+class Hold(Motion):
+    """Stay where it is.
+
+    Parameters
+    ----------
+    angles : sequence of 1, 3 or 6 floats
+        Joint angles [rad].
+    duration : float
+        For how long [s] until the next motion of a `Sequence` begins. Alone, it stays for ever.
+
+    Raises
+    ------
+    ValueError, TypeError
+        What was wrong (argument, axis, unit), what was expected, what arrived.
+    """
+
+    angles: tuple[float, ...]
+    duration: float = 0.0
+
+    def __post_init__(self) -> None:
+        self._freeze(
+            angles=_tuple("angles", self.angles, "rad"),
+            duration=number("duration", self.duration, "s"),
+        )
+
+    @cached_property
+    def _compiled(self) -> _core.Motion:
+        return _core.hold(self.angles, self.duration)
+
+
+@dataclass(frozen=True)
+class Sequence(Motion):
+    """One motion after another; each begins when the one before has come to its end.
+
+    Its knots are those of the members, shifted, and the instants where two members meet. In its
+    time each member gives exactly what it gives alone.
+
+    Parameters
+    ----------
+    motions : sequence of Motion
+        At least one, of any type, all with as many axes. Each must begin where the one before ends,
+        within 1e-9 rad.
+
+    Raises
+    ------
+    ValueError, TypeError
+        What was wrong: which motion, axis and instant, what was expected, what arrived.
+    """
+
+    motions: tuple[Motion, ...]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.motions, abc.Iterable):
+            raise TypeError(f"motions: expected a list of motions, got {self.motions!r}")
+        motions = tuple(self.motions)
+        for k, motion in enumerate(motions):
+            if not isinstance(motion, Motion):
+                raise TypeError(f"motions[{k}]: expected a motion, got {motion!r}")
+        self._freeze(motions=motions)
+
+    @property
+    def duration(self) -> float:
+        """Sum of the durations [s]."""
+        return self._compiled.duration
+
+    @cached_property
+    def _compiled(self) -> _core.Motion:
+        return _core.sequence([motion._compiled for motion in self.motions])
+
+
+# A function of time [s] that gives one number per axis.
+_Function = Callable[[float], abc.Sequence[float]]
+
+
+@dataclass(frozen=True, repr=False)
+class FunctionMotion(Motion):
+    """Any functions of time: the slow path.
+
+    Each evaluation of the robot's equations calls `angle` and `rate` once: with NumPy inside them
+    a run takes several times as long as one along polynomials.
+
+    From 0 to `duration` the motion is what the functions say; it rests at ``angle(0)`` before and
+    at ``angle(duration)`` after. Between neighbours of 0, `knots` and `duration` the functions must
+    be smooth. They are asked for times of one such piece at a time, and never for a knot until what
+    follows it is meant: at a knot they should give what holds right after it.
+
+    Parameters
+    ----------
+    angle : callable
+        Joint angles [rad] at a time [s]: a sequence of 1, 3 or 6 floats. With three moving axes
+        (models 2 and 4) it must be three.
+    rate : callable
+        Joint rates [rad/s], the derivative of `angle`, for as many axes.
+    duration : float
+        Time from start to end [s], positive.
+    knots : sequence of float
+        Instants between 0 and `duration` [s], ascending, at which the functions are not smooth.
+    acceleration : callable, optional
+        Joint accelerations [rad/s^2], the derivative of `rate`. Default: from differences of
+        `rate` over 1e-5 s. Simulations do not need it.
+
+    Raises
+    ------
+    ValueError, TypeError
+        What was wrong (argument, axis, unit), what was expected, what arrived; at any later time,
+        too, if a function gives something else than finite numbers, one per axis.
+
+    Notes
+    -----
+    What a function raises comes out of `simulate`, `Simulator.step` or whatever else has asked it.
+    The motion is picklable if its functions are, equal to another if they are.
+    """
+
+    angle_function: _Function
+    rate_function: _Function
+    duration: float
+    inner_knots: tuple[float, ...]
+    acceleration_function: _Function | None
+
+    def __init__(
+        self,
+        angle: _Function,
+        rate: _Function,
+        duration: float,
+        knots: abc.Sequence[float] = (),
+        acceleration: _Function | None = None,
+    ) -> None:
+        given = {"angle": angle, "rate": rate}
+        if acceleration is not None:
+            given["acceleration"] = acceleration
+        for name, function in given.items():
+            if not callable(function):
+                raise TypeError(f"{name}: expected a function of the time [s], got {function!r}")
+        self._freeze(
+            angle_function=angle,
+            rate_function=rate,
+            duration=number("duration", duration, "s"),
+            inner_knots=_instants("knots", knots),
+            acceleration_function=acceleration,
+        )
+
+    def __repr__(self) -> str:
+        return (
+            f"FunctionMotion(angle={self.angle_function!r}, rate={self.rate_function!r}, "
+            f"duration={self.duration}, knots={self.inner_knots}, "
+            f"acceleration={self.acceleration_function!r})"
+        )
+
+    @cached_property
+    def _compiled(self) -> _core.Motion:
+        # The functions may refer to what holds this motion. The garbage collector, which cannot
+        # look into the core, finds such cycles because the core refers to them weakly.
+        motion: Any = weakref.proxy(self)
+        return _core.functions(
+            lambda t: motion.angle_function(t),
+            lambda t: motion.rate_function(t),
+            self.duration,
+            self.inner_knots,
+            None
+            if self.acceleration_function is None
+            else lambda t: motion.acceleration_function(t),
+        )

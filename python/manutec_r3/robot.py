@@ -342,7 +342,7 @@ class Robot:
         if motion is None:
             return None
         if not isinstance(motion, Motion):
-            raise TypeError(f"motion: expected a motion such as Quintic, got {motion!r}")
+            raise TypeError(f"motion: expected a Motion, say a Quintic or Hold, got {motion!r}")
         self._compiled.check_motion(motion._compiled)
         return motion._compiled
 

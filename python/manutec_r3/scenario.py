@@ -11,7 +11,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any, NamedTuple, Self, get_args
 
-from .motion import Hold, Quintic, Trapezoid
+from .motion import Hold, Motion, Quintic, Sequence, Spline, Trapezoid
 from .result import Method, Result
 from .robot import Load, Robot
 from .simulation import simulate
@@ -38,8 +38,8 @@ class Scenario:
         What it is called.
     robot : Robot
         What is simulated.
-    motion : Quintic, Trapezoid or Hold
-        The reference of its joint angles.
+    motion : Motion
+        The reference of its joint angles. In a file: any but a `FunctionMotion`.
     t_end : float
         End of the simulation [s]; it begins at 0.
     description : str
@@ -59,7 +59,7 @@ class Scenario:
 
     name: str
     robot: Robot
-    motion: Quintic | Trapezoid | Hold
+    motion: Motion
     t_end: float
     description: str = ""
     start: str | list[float] = "rotor"
@@ -155,11 +155,20 @@ _RANGE = _Kind(
     "the lowest and the highest value",
     lambda value: _is_list(value, 2) and value[0] < value[1],
 )
-_PATH = {"start": _list_of("joint angles [rad]"), "end": _list_of("joint angles [rad]")}
+_ANGLES = _list_of("joint angles [rad]")
+_PATH = {"start": _ANGLES, "end": _ANGLES}
+_ROWS = _Kind(
+    "a list of lists of joint angles [rad], one for each time",
+    lambda value: isinstance(value, list) and all(map(_is_list, value)),
+)
+_TABLES = _Kind(
+    "a list of tables, one for each motion",
+    lambda value: isinstance(value, list) and all(isinstance(entry, dict) for entry in value),
+)
 
-# Each motion with its keys, in the order of its arguments.
+# Each motion with its keys, which are names of its arguments: required and optional ones.
 _MOTIONS = {
-    "quintic": (Quintic, {**_PATH, "duration": _positive("time [s]")}),
+    "quintic": (Quintic, {**_PATH, "duration": _positive("time [s]")}, {}),
     "trapezoid": (
         Trapezoid,
         {
@@ -167,8 +176,11 @@ _MOTIONS = {
             "rate": _list_of("joint rates [rad/s]"),
             "acceleration": _list_of("joint accelerations [rad/s^2]"),
         },
+        {},
     ),
-    "hold": (Hold, {"angles": _list_of("joint angles [rad]")}),
+    "spline": (Spline, {"times": _list_of("instants [s]"), "angles": _ROWS}, {}),
+    "hold": (Hold, {"angles": _ANGLES}, {"duration": _Kind("a time [s]", _is_number)}),
+    "sequence": (Sequence, {"motions": _TABLES}, {}),
 }
 _SCENARIO = {"t_end": _positive("time [s]"), "robot": _TABLE, "motion": _TABLE}
 _SCENARIO_OPTIONS = {
@@ -211,16 +223,25 @@ def _robot(table: dict[str, Any]) -> Robot:
         return Robot(**options)
 
 
-def _motion(table: dict[str, Any]) -> Quintic | Trapezoid | Hold:
+def _motion(table: dict[str, Any]) -> Motion:
     known = ", ".join(_MOTIONS)
     if "type" not in table:
         raise ValueError(f"type is missing, expected one of {known}")
     name = table["type"]
     if not isinstance(name, str) or name not in _MOTIONS:
         raise ValueError(f"type: expected one of {known}, got {name!r}{_hint(name, _MOTIONS)}")
-    motion, keys = _MOTIONS[name]
-    _check(table, {"type": _TEXT, **keys})
-    return motion(*(table[key] for key in keys))
+    motion, required, optional = _MOTIONS[name]
+    arguments = {key: value for key, value in table.items() if key != "type"}
+    _check(arguments, required, optional)
+    if motion is Sequence:
+        arguments["motions"] = list(_members(table["motions"]))
+    return motion(**arguments)
+
+
+def _members(tables: list[dict[str, Any]]) -> Iterator[Motion]:
+    for k, table in enumerate(tables):
+        with _at(f"motions[{k}]"):
+            yield _motion(table)
 
 
 def _check(

@@ -1,5 +1,6 @@
 // Once a run has begun, evaluating the equations allocates nothing: every allocation of this
 // program is counted.
+#include <array>
 #include <atomic>
 #include <bit>
 #include <cstdlib>
@@ -107,6 +108,21 @@ TEST(EquationsAndIndicatorsAllocateNothing) {
         CHECK_EQUAL(allocations_of([&] { system->indicators(0.3, x.data(), z.data()); }), 0);
       }
     }
+  }
+}
+
+TEST(ReferencesAllocateNothing) {
+  using motion::Motion;
+  const std::vector<double> here(3, 0.0), there(3, 0.4);
+  const std::vector<double> times = {0.0, 0.5, 1.0}, angles = {0, 0, 0, 1, 2, 3, 0.4, 0.4, 0.4};
+  const std::vector<std::shared_ptr<const Motion>> members = {
+      std::make_shared<const Motion>(motion::quintic(here, here, 0.5)),
+      std::make_shared<const Motion>(motion::spline(times, angles)),
+      std::make_shared<const Motion>(motion::hold(there, 0.5))};
+  const Motion motion = motion::sequence(members);
+  std::array<motion::Reference, 3> desired;
+  for (const double t : {-0.1, 0.2, 0.7, 1.2, 1.7, 2.5}) {
+    CHECK_EQUAL(allocations_of([&] { motion.reference(motion.piece_at(t), t, desired); }), 0);
   }
 }
 

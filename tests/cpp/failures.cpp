@@ -8,6 +8,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "check.hpp"
@@ -125,6 +126,35 @@ TEST(ADecisionThatFailsLeavesTheStateBeforeIt) {
     CHECK_NEAR(run.simulation.time(), std::log(2.0), 1e-7);
     CHECK_NEAR(run.simulation.state()[0], 0.5, 1e-12);  // located to roundoff
     CHECK(run.simulation.events().empty());
+  }
+}
+
+TEST(ADecisionAfterWhichTheEquationsFailIsTakenAgain) {
+  for (const Method method : methods) {
+    int decisions = 0;
+    bool fail = false;
+    Scripted system(
+        1, 1,
+        [&](double, const double* x, double* dx) {
+          if (std::exchange(fail, false)) throw Interruption("by the test");
+          dx[0] = -x[0];
+        },
+        [](double, const double* x, double* z) { z[0] = x[0] - 0.5; });
+    system.decide = [&](Scripted&, double* x, const Scripted::Call&,
+                        std::vector<hybrid::Change>& log) {
+      x[0] = 2.0;
+      log.push_back({{1, 0}, 0, 1});
+      fail = ++decisions == 1;
+    };
+    Run run(system, {1.0}, 1e-9, method);
+    CHECK_THROWS(run.to(1.0), Interruption);
+    CHECK_NEAR(run.simulation.time(), std::log(2.0), 1e-7);
+    CHECK_NEAR(run.simulation.state()[0], 0.5, 1e-7);
+    CHECK_EQUAL(run.simulation.events().size(), 0u);
+    run.to(1.0);
+    CHECK_EQUAL(decisions, 2);
+    CHECK_EQUAL(run.simulation.events().size(), 1u);
+    CHECK_NEAR(run.simulation.state()[0], 4.0 * std::exp(-1.0), 1e-6);
   }
 }
 
