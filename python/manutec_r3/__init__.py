@@ -14,6 +14,7 @@ All quantities are in SI units; axes are counted from 1.
 
 from .errors import SimulationError
 from .events import Event, Events
+from .limits import LimitExcess
 from .motion import Hold, Motion, Quintic, Trapezoid
 from .result import Result, Samples, Statistics
 from .robot import Load, Robot
@@ -24,6 +25,7 @@ __all__ = [
     "Event",
     "Events",
     "Hold",
+    "LimitExcess",
     "Load",
     "Motion",
     "Quintic",
