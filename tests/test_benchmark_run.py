@@ -45,13 +45,6 @@ def test_the_end_of_the_motion_is_an_event_of_the_whole_robot(result):
     assert [event for event in result.events if event.axis == 0] == [(1.2, 0, "reference", 0, 0)]
 
 
-def test_only_axis_2_exceeds_its_rotor_rate_limit(result):
-    limits = result.robot.parameters["table_1"]["rotor_rate_max"]
-    peaks = np.abs(result.rotor_rate).max(axis=0)
-    np.testing.assert_array_equal(peaks > limits, [False, True, False, False, False, False])
-    assert round(peaks[1]) == 334
-
-
 @pytest.mark.parametrize(
     # Promised are 1e-6 s at default tolerances; measured are 2e-10 s (erk) and 3e-9 s (bdf). At a
     # tolerance of 1e-12 what is left is the accuracy of the independent implementation, 4e-13 s.

@@ -107,6 +107,35 @@ def test_a_signal_outside_its_published_range_is_named(command, tmp_path):
     assert "Outside the published range: joint angle of axis 1." in done.stdout
 
 
+def test_excesses_of_limits_are_a_table_and_sustained_saturation_is_a_warning(
+    command, tmp_path, monkeypatch
+):
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)  # the picture takes its time
+    fast = command("show", "figure9").stdout.replace("duration = 1.2", "duration = 0.8")
+    (tmp_path / "fast.toml").write_text(fast)
+    printed = {name: command("run", name).stdout for name in ("figure9", "fast.toml")}
+
+    def rows(text):
+        found = re.findall(r"^ +(\d)   ([a-z]+(?: [a-z]+)?)  +(\d\S* .*)$", text, re.MULTILINE)
+        return [(int(axis), what, *re.split(" {2,}", row.rstrip())) for axis, what, row in found]
+
+    assert rows(printed["figure9"]) == [
+        (2, "rotor rate", "315 rad/s", "334 rad/s", "0.502 to 0.704", "1"),
+        (3, "nominal torque", "4 N m", "4.7 N m", "0.929 to 1.500", "1"),
+    ]
+    assert "Sustained saturation" not in printed["figure9"]
+    assert rows(printed["fast.toml"])[-1] == (
+        *(3, "saturation", "0.05 s"),
+        *("0.639 s", "0.159 to 0.281", "4"),  # the longest, when the first was, how many
+    )
+    warning = "Sustained saturation winds up the rate controllers: axis 3."
+    assert warning in printed["fast.toml"]
+
+
+def test_nothing_is_said_of_limits_that_are_kept(command):
+    assert "exceeded" not in command("run", "short.toml").stdout
+
+
 def test_without_matplotlib_the_rest_is_written(command, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     done = command("run", "short.toml")

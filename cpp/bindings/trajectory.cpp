@@ -107,6 +107,7 @@ void register_trajectory(py::module_& module) {
       .def_property_readonly("begin", [](const Trajectory& t) { return as_array(t.begin); })
       .def_property_readonly("end", [](const Trajectory& t) { return as_array(t.end); })
       .def("steps_at", &steps_at)
+      .def("until", &Trajectory::until)
       .def(py::pickle(&as_state, &from_state));
   module.def("evaluate", &evaluate);
 }

@@ -29,6 +29,17 @@ void Trajectory::cut(double t) {
   if (!end.empty()) end.back() = std::min(end.back(), t);
 }
 
+Trajectory Trajectory::until(double t) const {
+  Trajectory before = *this;
+  before.cut(t);
+  if (before.n_steps() == 0 && n_steps() > 0) {
+    Step instant = step(0);
+    instant.t1 = instant.t0;
+    before.append(instant, modes[mode[0]]);
+  }
+  return before;
+}
+
 std::size_t Trajectory::step_at(double t) const {
   const auto later = std::upper_bound(begin.begin(), begin.end(), t);
   return later == begin.begin() ? 0 : static_cast<std::size_t>(later - begin.begin()) - 1;

@@ -24,6 +24,8 @@ struct Trajectory {
   void append(const Step& step, const Mode& mode);
   // Forgets what lies beyond t.
   void cut(double t);
+  // What lies before t, and t itself: at least the first instant.
+  Trajectory until(double t) const;
   // The step that t falls into, the later one at an instant that two steps share.
   std::size_t step_at(double t) const;
 };

@@ -15,6 +15,7 @@ All quantities are in SI units; axes are counted from 1.
 from .errors import SimulationError
 from .events import Event, Events
 from .inputs import Input
+from .limits import LimitExcess
 from .motion import FunctionMotion, Hold, Motion, Quintic, Sequence, Spline, Trapezoid
 from .result import Result, Samples, Statistics
 from .robot import Load, Robot
@@ -27,6 +28,7 @@ __all__ = [
     "FunctionMotion",
     "Hold",
     "Input",
+    "LimitExcess",
     "Load",
     "Motion",
     "Quintic",

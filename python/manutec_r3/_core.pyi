@@ -114,6 +114,9 @@ class Trajectory:
     def steps_at(self, t: _Floats) -> NDArray[intp]:
         """Index of the step that each instant falls into, the later one where two meet."""
 
+    def until(self, t: float) -> Trajectory:
+        """Return what lies before `t`, and `t` itself: at least the first instant."""
+
 class Simulator:
     def __init__(
         self,

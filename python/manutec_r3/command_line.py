@@ -1,6 +1,8 @@
 """The command `manutec-r3`: runs scenarios, says what came out, writes it to a folder."""
 
 from collections import Counter
+from itertools import groupby
+from operator import attrgetter
 from pathlib import Path
 from typing import Annotated, NoReturn
 
@@ -138,7 +140,7 @@ _SHOWN = {
 
 
 def _summarise(out: Console, scenario: Scenario, result: Result) -> None:
-    """Print the peaks of each axis beside the published ranges, the events and the work."""
+    """Print the peaks of each axis beside the published ranges, excesses, events and the work."""
     out.print(f"[bold]{escape(scenario.name)}[/]  {escape(scenario.description)}\n")
     out.print(_peaks(scenario, result))
     out.print()
@@ -148,6 +150,16 @@ def _summarise(out: Console, scenario: Scenario, result: Result) -> None:
             f"[bold red]Outside the published range: {', '.join(outside)}.[/]"
             if outside
             else "All axes stay within the published ranges.",
+            end="\n\n",
+        )
+    if result.limits:
+        out.print(_excesses(result))
+        out.print()
+    winding_up = sorted({e.axis for e in result.limits if e.what == "saturation"})
+    if winding_up:
+        out.print(
+            "[bold red]Sustained saturation winds up the rate controllers: "
+            f"axis {', '.join(map(str, winding_up))}.[/]",
             end="\n\n",
         )
     out.print(_work(result))
@@ -189,6 +201,28 @@ def _outside(scenario: Scenario, result: Result) -> list[str]:
         leaves = ((values < lowest) | (values > highest)).any(axis=0)
         outside += [f"{_words(signal)} of axis {axis}" for axis in 1 + np.flatnonzero(leaves)]
     return outside
+
+
+def _excesses(result: Result) -> Table:
+    """One row for each limit of each axis that is exceeded."""
+    table = Table(box=box.SIMPLE_HEAD, show_edge=False, header_style="")
+    table.add_column("axis", justify="right")
+    table.add_column("exceeded", no_wrap=True)
+    for heading in ("limit", "peak", "first, s", "times"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    of_axis = attrgetter("axis", "what")
+    for (axis, what), excesses in groupby(sorted(result.limits, key=of_axis), key=of_axis):
+        times = list(excesses)
+        peak = max(excess.peak for excess in times)
+        table.add_row(
+            str(axis),
+            _words(what),
+            f"{times[0].limit:g} {times[0].unit}",
+            f"{peak:.3g} {times[0].unit}",
+            f"{times[0].begin:.3f} to {times[0].end:.3f}",
+            str(len(times)),
+        )
+    return table
 
 
 def _work(result: Result) -> Table:

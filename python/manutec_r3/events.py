@@ -7,7 +7,7 @@ import numpy as np
 
 
 class Event(NamedTuple):
-    """A branch has switched, or the reference has passed a knot.
+    """A branch has switched, the reference has passed a knot, or a limit has been passed.
 
     Attributes
     ----------
@@ -16,9 +16,10 @@ class Event(NamedTuple):
     axis : int
         1 to n_axes; 0: the whole robot.
     element : str
-        ``dead_zone``, ``torque_limit``, ``backlash``, ``friction`` or ``reference``.
+        ``dead_zone``, ``torque_limit``, ``backlash``, ``friction``, ``reference`` or ``limit``.
     before, after : int
-        Branches -1, 0, +1; friction: rotor slides backward, sticks, slides forward.
+        Branches -1, 0, +1; friction: rotor slides backward, sticks, slides forward; limit: 0 is
+        within it.
     """
 
     time: float

@@ -1,8 +1,8 @@
 """What came out of a run."""
 
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Literal
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import Any, Literal
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from . import _core
 from .arguments import floats
 from .events import Events
 from .inputs import Inputs
+from .limits import LimitExcess, limit_events, limit_excesses
 from .motion import Motion
 from .robot import Robot
 from .signals import Signals, signal_names
@@ -132,9 +133,11 @@ class Result(Samples):
     rtol : float
         Its tolerance, relative to the states' nominal values as well as to their values.
     events : Events
-        Every switch of every branch.
+        Every switch of every branch; if asked for, when limits are exceeded and kept again.
     statistics : Statistics
         What it took.
+    status : str
+        ``completed``, or why it ended before its time.
     """
 
     def __init__(
@@ -145,7 +148,10 @@ class Result(Samples):
         statistics: Statistics,
         t_end: float,
         times: np.ndarray | None = None,
+        status: str = "completed",
     ) -> None:
+        if times is not None:
+            times = times[times <= t_end]
         super().__init__(run, *_instants(run.trajectory, np.unique(events.time), times))
         self.robot = run.inputs.robot
         self.motion = run.inputs.motion
@@ -154,6 +160,56 @@ class Result(Samples):
         self.events = events
         self.statistics = statistics
         self.t_end = t_end
+        self.status = status
+        self._times = times
+
+    @cached_property
+    def limits(self) -> tuple[LimitExcess, ...]:
+        """When which axis was beyond a limit, and by how much; in the order of the beginnings.
+
+        Watched are joint angles, rotor rates, the root mean square of motor torques and sustained
+        saturation; see `LimitExcess`. It is computed when it is asked for first.
+        """
+        run = self._run
+        return limit_excesses(run.inputs.robot, run.trajectory, partial(Samples, run))
+
+    def _listing_limits(self) -> "Result":
+        """Return the same result with the beginnings and ends of its excesses among its events."""
+        told = sorted([*self.events, *limit_events(self.limits, self.t_end)], key=lambda e: e.time)
+        listing = self._with(events=Events(told))
+        listing.limits = self.limits
+        return listing
+
+    def _until_limit(self) -> "Result":
+        """Return the part of the run before the first instant at which a limit is exceeded."""
+        if not self.limits:
+            return self
+        t_end = self.limits[0].begin
+        reached = [excess for excess in self.limits if excess.begin == t_end]
+        until = self._with(
+            run=replace(self._run, trajectory=self._run.trajectory.until(t_end)),
+            events=Events(event for event in self.events if event.time < t_end),
+            t_end=t_end,
+            status=f"ended at {t_end:.6g} s: {', '.join(map(str, reached))}",
+        )
+        if t_end > 0.0:  # roundoff decides whether what is left exceeds a limit or just reaches it
+            until.limits = tuple(
+                excess._replace(end=t_end, peak=excess.limit) for excess in reached
+            )
+        return until
+
+    def _with(self, **changes: Any) -> "Result":
+        """Return a result that was constructed with some other arguments."""
+        arguments = {
+            "run": self._run,
+            "rtol": self.rtol,
+            "events": self.events,
+            "statistics": self.statistics,
+            "t_end": self.t_end,
+            "times": self._times,
+            "status": self.status,
+        }
+        return Result(**arguments | changes)
 
     def at(self, times: float | np.ndarray) -> Samples:
         """Signals at any instants of the run, as accurate as at the steps.
@@ -192,17 +248,12 @@ def _instants(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Instants to record and their steps: all steps or the given times, events on both sides."""
     begin, end = trajectory.begin, trajectory.end
-    before = np.flatnonzero(np.isin(end, event_times))  # steps that end at an event
-    if times is None:
-        after = np.arange(len(begin))
-        t = begin
-        if len(end) and end[-1] > begin[-1] and end[-1] not in event_times:
-            t, after = np.append(t, end[-1]), np.append(after, len(end) - 1)
-    else:
-        t = np.union1d(times, end[before])
-        after = trajectory.steps_at(t)
-    # Before an event comes the end of one step, after it the beginning of the next.
-    t = np.concatenate((end[before], t))
-    step = np.concatenate((before, after))
+    # Before an event comes the end of a step, after it the beginning of the next. A limit that is
+    # exceeded is an event inside a step.
+    before = np.searchsorted(end, event_times)
+    t = np.union1d(begin if times is None else times, event_times[event_times < end[-1]])
+    if times is None and end[-1] > begin[-1] and end[-1] not in event_times:
+        t = np.append(t, end[-1])
+    t, step = np.append(event_times, t), np.append(before, trajectory.steps_at(t))
     order = np.lexsort((step, t))
     return t[order], step[order]

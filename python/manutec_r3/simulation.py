@@ -38,6 +38,8 @@ def simulate(
     command: InputLike | None = None,
     tip_force: InputLike | None = None,
     brakes: bool | Sequence[bool] = False,
+    list_limits: bool = False,
+    enforce_limits: bool = False,
     progress: Callable[[float], None] | None = None,
 ) -> Result:
     """Simulate a robot that follows a motion.
@@ -75,6 +77,14 @@ def simulate(
         Force that acts on the load, in the world [N].
     brakes : bool or sequence of n_axes bools
         Axes 4 to 6 that are held by their brakes, from the start at rest; True: all of them.
+    list_limits : bool
+        Whether the excesses of ``result.limits`` are listed among the events, as events of the
+        element ``limit``: from 0 to the side on which a limit is exceeded, and back.
+    enforce_limits : bool
+        Whether the result ends where a limit is exceeded first, at 0 s if the start does already;
+        ``result.status`` says which limit, and ``result.limits`` are those that were reached there.
+        Until then the run is the one without this option, bit by bit; the work beyond is done all
+        the same, and counted in the statistics.
     progress : callable, optional
         Called with the time reached [s] now and then.
 
@@ -87,7 +97,8 @@ def simulate(
     ValueError, TypeError
         What was wrong (argument, axis, unit), what was expected, what arrived.
     SimulationError
-        If the run cannot go on; it carries what was computed so far.
+        If the run cannot go on; it carries what was computed so far. With `enforce_limits`, only
+        if no limit was exceeded before.
 
     Notes
     -----
@@ -107,6 +118,10 @@ def simulate(
     if progress is not None and not callable(progress):
         raise TypeError(f"progress: expected a function of the time, got {progress!r}")
 
+    for name, value in (("list_limits", list_limits), ("enforce_limits", enforce_limits)):
+        if not isinstance(value, bool):
+            raise TypeError(f"{name}: expected True or False, got {value!r}")
+
     began = perf_counter()
     simulator = Simulator(
         robot,
@@ -123,20 +138,25 @@ def simulate(
     )
     core = simulator._compiled
 
-    def result() -> Result:
-        return Result(
+    def result(status: str = "completed") -> Result:
+        free = Result(
             Run(simulator.inputs, simulator.method, core.trajectory),
             simulator.rtol,
             Events(Event(*event) for event in core.events(0)),
             Statistics(**core.statistics, seconds=perf_counter() - began),
             core.time,
-            None if times is None else times[times <= core.time],
+            times,
+            status,
         )
+        told = free._listing_limits() if list_limits else free
+        return told._until_limit() if enforce_limits else told
 
     try:
         simulator._advance(t_end, include_end=False, progress=progress)
     except SimulationError as error:
-        error.result = result()
+        error.result = result(f"failed at {error.time:.6g} s: {error.reason}")
+        if enforce_limits and error.result.limits:
+            return error.result
         raise
     return result()
 

@@ -71,6 +71,21 @@ TEST(WhatLiesBeyondACutIsForgotten) {
   CHECK(trajectory.dense.empty());
 }
 
+TEST(WhatLiesBeforeAnInstantIsACopyWithItsFirstInstantAtLeast) {
+  const Trajectory trajectory = three_steps();
+  Trajectory cut = trajectory;
+  cut.cut(1.5);
+  CHECK(trajectory.until(1.5).end == cut.end);
+  CHECK(trajectory.until(1.5).dense == cut.dense);
+  const Trajectory instant = trajectory.until(0.0);
+  CHECK_EQUAL(instant.n_steps(), 1u);
+  CHECK_EQUAL(instant.step(0).t0, 0.0);
+  CHECK_EQUAL(instant.step(0).t1, 0.0);
+  CHECK(instant.step(0).dense == std::vector<double>({10.0, 11.0}));
+  CHECK(instant.modes[instant.mode[0]] == (Mode{{0}, {}}));
+  CHECK_EQUAL(trajectory.n_steps(), 3u);
+}
+
 // x of a single oscillator with Coulomb friction, by the equation at the head of the system.
 struct Exact {
   double w, mu, X;
