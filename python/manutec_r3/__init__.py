@@ -12,6 +12,8 @@ A `Robot` that follows a motion is simulated by `simulate`, or step by step by a
 All quantities are in SI units; axes are counted from 1.
 """
 
+from .compare import Comparison, CurveComparison, compare
+from .compare_events import EventComparison, compare_events
 from .errors import SimulationError
 from .events import Event, Events
 from .motion import Hold, Motion, Quintic, Trapezoid
@@ -21,7 +23,10 @@ from .scenario import Scenario, scenarios
 from .simulation import Simulator, simulate
 
 __all__ = [
+    "Comparison",
+    "CurveComparison",
     "Event",
+    "EventComparison",
     "Events",
     "Hold",
     "Load",
@@ -35,6 +40,8 @@ __all__ = [
     "Simulator",
     "Statistics",
     "Trapezoid",
+    "compare",
+    "compare_events",
     "scenarios",
     "simulate",
 ]
