@@ -12,6 +12,7 @@ A `Robot` that follows a motion is simulated by `simulate`, or step by step by a
 All quantities are in SI units; axes are counted from 1.
 """
 
+from .check import Check, check
 from .compare import Comparison, CurveComparison, compare
 from .compare_events import EventComparison, compare_events
 from .errors import SimulationError
@@ -23,6 +24,7 @@ from .scenario import Scenario, scenarios
 from .simulation import Simulator, simulate
 
 __all__ = [
+    "Check",
     "Comparison",
     "CurveComparison",
     "Event",
@@ -40,6 +42,7 @@ __all__ = [
     "Simulator",
     "Statistics",
     "Trapezoid",
+    "check",
     "compare",
     "compare_events",
     "scenarios",

@@ -107,8 +107,8 @@ class Comparison:
         None if the reference has no list of events.
     begin, end : float
         What both have in common [s].
-    tube : float
-        By how much the tube reaches to either side in time [s].
+    width : float
+        By how much the tubes reach to either side, in parts of the time and of each range.
     margin : float
         Pointwise deviations are those at instants further than this from all events [s].
     """
@@ -117,8 +117,13 @@ class Comparison:
     events: EventComparison | None
     begin: float
     end: float
-    tube: float
+    width: float
     margin: float
+
+    @property
+    def tube(self) -> float:
+        """By how much the tubes reach to either side in time [s]."""
+        return self.width * (self.end - self.begin)
 
     @property
     def agrees(self) -> bool:
@@ -264,7 +269,7 @@ def compare(
         events,
         begin,
         end,
-        tube,
+        width,
         margin,
     )
 

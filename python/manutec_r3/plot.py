@@ -99,8 +99,9 @@ def comparison(compared: Comparison, n: int = 3) -> "Figure":
     """Draw where a result and its reference part.
 
     For the curves that deviate most, those that leave their tubes first: the curve with its
-    reference in the tube around it, and below the difference of both, with gaps near events. The
-    time outside the tube is shaded; dashed lines stand at events that only one of both has.
+    reference in the tube around it, and below the difference of both, with gaps near events, over
+    what the tube allows in value. The time outside the tube is shaded; dashed lines stand at events
+    that only one of both has.
 
     Parameters
     ----------
@@ -130,7 +131,7 @@ def comparison(compared: Comparison, n: int = 3) -> "Figure":
     panels = figure.subplots(2, len(worst), sharex=True, squeeze=False, height_ratios=(2, 1))
     for curve, (above, below) in zip(worst, panels.T, strict=True):
         _draw_tube(above, curve)
-        _draw_difference(below, curve)
+        _draw_difference(below, curve, compared.width * curve.range)
         for panel in (above, below):
             _mark(panel, compared, curve)
             _tidy(panel)
@@ -168,9 +169,13 @@ def _draw_tube(panel: "Axes", curve: CurveComparison) -> None:
     panel.plot(curve.time, curve.value, color=_SIMULATED, linewidth=1.2, label="result")
 
 
-def _draw_difference(panel: "Axes", curve: CurveComparison) -> None:
-    panel.axhline(0.0, color=_LINE, linewidth=0.6, zorder=1)
+def _draw_difference(panel: "Axes", curve: CurveComparison, tube: float) -> None:
     panel.plot(curve.difference_time, curve.difference, color=_SIMULATED, linewidth=1.2)
+    shown = panel.get_ylim()
+    panel.axhspan(-tube, tube, color=_TUBE, linewidth=0.0, zorder=0.5)
+    panel.axhline(0.0, color=_LINE, linewidth=0.6, zorder=1)
+    panel.set_ylim(shown)
+    panel.ticklabel_format(axis="y", scilimits=(-3, 4))
     if np.isfinite(curve.deviation):
         deviation = f"{curve.deviation:#.3g} {_typeset(curve.unit)} at {curve.instant:.3f} s"
         _note(panel, f"largest {deviation}")
