@@ -4,17 +4,14 @@ Events are the same if their axes, elements and branches before and after are. T
 have no order among themselves, and instants as close as roundoff are one.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
-from operator import itemgetter
+from itertools import pairwise, zip_longest
 
 import numpy as np
 
 from .arguments import number
 from .events import Event, Events
-
-_KEY = slice(1, None)  # of an event: axis, element, before, after
 
 
 @dataclass(frozen=True)
@@ -30,8 +27,8 @@ class EventComparison:
     missing : tuple of Event
         Events of the reference that the list lacks.
     first_difference : (Event or None, Event or None) or None
-        The first events of list and reference that are not the same; None within it: this one has
-        ended, None instead of it: the sequences are the same.
+        The first event of the list and of the reference that are not the same, None for one that
+        has ended; None instead of both if the sequences are the same.
     """
 
     pairs: tuple[tuple[Event, Event], ...]
@@ -99,49 +96,56 @@ def compare_events(
     if roundoff < 0.0:
         raise ValueError(f"roundoff: expected a time that is not negative, got {roundoff:g} s")
 
-    common, ours, theirs = _common_beginning(list(events), list(reference), roundoff)
-    first = None
-    if ours or theirs:
-        first = (ours[0] if ours else None, theirs[0] if theirs else None)
-    pairs, extra, missing = list(common), [], []
-    ours, theirs = (_ordered(rest, _gaps(rest) <= roundoff) for rest in (ours, theirs))
-    keys = [[event[_KEY] for event in rest] for rest in (ours, theirs)]
+    ours, theirs = list(events), list(reference)
+    pairs = _common_beginning(ours, theirs, roundoff)
+    ours, theirs = (_ordered(rest[len(pairs) :], roundoff) for rest in (ours, theirs))
+    extra, missing = [], []
+    keys = [list(map(_key, rest)) for rest in (ours, theirs)]
     for tag, i, i_end, j, j_end in SequenceMatcher(None, *keys, autojunk=False).get_opcodes():
         if tag == "equal":
             pairs += zip(ours[i:i_end], theirs[j:j_end], strict=True)
         else:
             extra += ours[i:i_end]
             missing += theirs[j:j_end]
+    beside = zip_longest(ours, theirs)
+    first = next((both for both in beside if None in both or _key(both[0]) != _key(both[1])), None)
     return EventComparison(tuple(pairs), tuple(extra), tuple(missing), first)
+
+
+def _key(event: Event) -> tuple[int, str, int, int]:
+    return event[1:]
 
 
 def _common_beginning(
     ours: list[Event], theirs: list[Event], roundoff: float
-) -> tuple[list[tuple[Event, Event]], list[Event], list[Event]]:
-    """Pairs of the same events from the start on, and what follows them in each list.
+) -> list[tuple[Event, Event]]:
+    """Pairs of the same events from the start on.
 
-    As long as the lists are the same, events stand at the same places in both; so events are at one
+    As long as the lists are the same, events stand at the same places in both; so events are of one
     instant if they are in one of the lists.
     """
     n = min(len(ours), len(theirs))
-    together = (_gaps(ours[:n]) <= roundoff) | (_gaps(theirs[:n]) <= roundoff)
-    a, b = _ordered(ours[:n], together), _ordered(theirs[:n], together)
-    differs = [one[_KEY] != other[_KEY] for one, other in zip(a, b, strict=True)]
-    same = differs.index(True) if any(differs) else n
-    pairs = list(zip(a[:same], b[:same], strict=True))
-    return pairs, a[same:] + ours[n:], b[same:] + theirs[n:]
+    apart = (_gaps(ours[:n]) > roundoff) & (_gaps(theirs[:n]) > roundoff)
+    begins = [0, *(1 + np.flatnonzero(apart)), n]
+    pairs = []
+    for begin, end in pairwise(begins):
+        a, b = (sorted(events[begin:end], key=_key) for events in (ours, theirs))
+        if list(map(_key, a)) != list(map(_key, b)):
+            break
+        pairs += zip(a, b, strict=True)
+    return pairs
 
 
-def _gaps(events: Sequence[Event]) -> np.ndarray:
+def _ordered(events: list[Event], roundoff: float) -> list[Event]:
+    """Events with those of one instant in the order of their keys."""
+    instants = np.concatenate(([0], np.cumsum(_gaps(events) > roundoff)))
+    numbered = sorted(zip(instants, map(_key, events), events, strict=False))
+    return [event for _, _, event in numbered]
+
+
+def _gaps(events: list[Event]) -> np.ndarray:
     """Time from each event to the next [s]."""
     return np.diff([event.time for event in events])
-
-
-def _ordered(events: Sequence[Event], together: np.ndarray) -> list[Event]:
-    """Events with those of one instant, each together with the next, in the order of their keys."""
-    instant = np.concatenate(([0], np.cumsum(~together)))
-    numbered = sorted(zip(instant, events, strict=False), key=lambda e: (e[0], e[1][_KEY], e[1][0]))
-    return list(map(itemgetter(1), numbered))
 
 
 def _apart(pair: tuple[Event, Event]) -> float:
