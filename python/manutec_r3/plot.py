@@ -185,7 +185,8 @@ def _mark(panel: "Axes", compared: Comparison, curve: CurveComparison) -> None:
     """Mark, behind the curves, when the curve is outside its tube and events that differ."""
     edges = np.flatnonzero(np.diff(curve.outside, prepend=False, append=False))
     begin, last = curve.time[edges[::2]], curve.time[edges[1::2] - 1]
-    _bars(panel, begin, last, color=_OUTSIDE, label="outside the tube")
+    # With an edge, else a single instant could not be seen.
+    _bars(panel, begin, last, color=_OUTSIDE, label="outside the tube", linewidth=0.6)
     if compared.events is not None:
         for event in (*compared.events.extra, *compared.events.missing):
             panel.axvline(
@@ -248,15 +249,23 @@ def _shade(panel: "Axes", result: Result, axis: int) -> None:
             )
 
 
-def _bars(panel: "Axes", begin: np.ndarray, end: np.ndarray, color: str, label: str) -> None:
+def _bars(
+    panel: "Axes",
+    begin: np.ndarray,
+    end: np.ndarray,
+    *,
+    color: str,
+    label: str,
+    linewidth: float = 0.0,
+) -> None:
     """Shade intervals of time behind all else, over the whole height."""
     if begin.size:
         panel.broken_barh(
             np.column_stack((begin, end - begin)),
             (0.0, 1.0),
             transform=panel.get_xaxis_transform(),
-            facecolor=color,
-            linewidth=0.0,
+            color=color,
+            linewidth=linewidth,
             zorder=0,
             label=label,
         )
