@@ -102,7 +102,7 @@ def test_holding_torques_fail_by_a_printed_digit(falsify):
     ("signal", "digit", "word"),
     [("control_error", 1e-5, "control error"), ("motor_torque", 1e-2, "motor torque")],
 )
-@pytest.mark.parametrize("axis", range(1, 7))
+@pytest.mark.parametrize("axis", [1, 6])
 def test_peaks_fail_by_a_printed_digit_of_one_axis(rows, falsify, signal, digit, word, axis):
     def change(data):
         data[signal][axis - 1] += digit

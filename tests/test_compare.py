@@ -52,6 +52,15 @@ def test_a_result_agrees_with_itself(result):
     assert (compared.begin, compared.end) == (0.0, T_END)
 
 
+def test_every_curve_has_a_unit(result):
+    units = {c.signal: c.unit for c in r3.compare(result, result).curves}
+    angles = {s: "rad" for s in units if s.endswith("angle") or s == "control_error"}
+    rates = {s: "rad/s" for s in units if s.endswith("rate")}
+    torques = {s: "N m" for s in units if s.endswith("torque")}
+    others = {"joint_acceleration": "rad/s^2", "voltage": "V"}
+    assert units == angles | rates | torques | others
+
+
 def test_jumps_that_tolerances_displace_are_no_deviations(result):
     loose = run(rtol=1e-6)
     compared = r3.compare(loose, result)

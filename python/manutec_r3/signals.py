@@ -45,4 +45,4 @@ class Signals:
 
 def signal_unit(name: str) -> str:
     """Return the unit of a signal, as its description says in brackets."""
-    return re.search(r"\[(.+)\]", getattr(Signals, name).__doc__)[1]
+    return re.search(r"\[(.+?)\]", getattr(Signals, name).__doc__)[1]
