@@ -204,6 +204,18 @@ def test_a_jump_may_come_sooner_or_later_by_what_the_tube_reaches(result, tmp_pa
     assert inside.agrees == agrees
 
 
+def test_near_a_jump_of_the_file_there_is_a_tube_but_no_deviation(tmp_path):
+    at_rest = r3.simulate(r3.Robot(model=2), r3.Hold([0.0, 0.5, 0.0]), T_END)
+    begin, end = 0.2, 0.2 + 1e-3  # shorter than the tube reaches
+    time = [0.0, begin, begin, end, end, T_END]
+    value = at_rest.at(0.0).joint_angle[0, 1] + 0.1 * np.array([0, 0, 1, 1, 0, 0])
+    path = write(tmp_path / "jumps.csv", time, **{"joint_angle[2]": value})
+    curve = r3.compare(at_rest, path).curve("joint_angle", 2)
+    assert curve.agrees
+    assert curve.range == pytest.approx(0.1)
+    assert curve.deviation < 1e-12  # roundoff; the jumps are 0.1 rad
+
+
 def test_a_shift_in_time_is_found_where_the_curve_is_steepest(result, tmp_path):
     shift = 4e-3
     time = np.linspace(0.0, T_END, 3001)
@@ -370,6 +382,26 @@ def test_events_of_one_instant_have_no_order(apart):
     for compared in (r3.compare_events(swapped, SOME), r3.compare_events(SOME, swapped)):
         assert compared.same_sequence
         assert compared.largest_time_difference == pytest.approx(apart, abs=1e-16)
+
+
+def test_events_that_are_of_one_instant_in_one_list_have_no_order_in_the_other():
+    ours = changed(row_2=(0.3, 2, "backlash", 0, -1), row_3=(0.3 + 1e-9, 1, "backlash", 0, 1))
+    for compared in (r3.compare_events(ours, SOME), r3.compare_events(SOME, ours)):
+        assert compared.same_sequence
+
+
+def test_events_of_one_instant_have_no_order_behind_a_difference_either():
+    swapped = {"row_2": (0.3, 2, "backlash", 0, -1), "row_3": (0.3, 1, "backlash", 0, 1)}
+    compared = r3.compare_events(changed(row_0=None, **swapped), SOME)
+    assert compared.missing == (SOME[0],)
+    assert compared.extra == ()
+
+
+def test_one_event_that_is_missing_is_found_in_a_long_list_of_few_kinds():
+    many = [(0.01 * k, 1, "friction", k % 2, (k + 1) % 2) for k in range(400)]
+    compared = r3.compare_events(r3.Events(many[1:]), r3.Events(many))
+    assert compared.missing == (many[0],)
+    assert compared.largest_time_difference == 0.0
 
 
 def test_of_one_instant_what_is_in_both_is_no_difference():
