@@ -1,7 +1,7 @@
 """The arm alone: multibody data, equations of motion with ideal gears, kinematics."""
 
 import json
-from pathlib import Path
+from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ import manutec_r3 as r3
 
 # Computed with the original routine R3M2SI (Otter, Tuerk: The DFVLR models 1 and 2 of the Manutec
 # r3 robot, DFVLR-Mitt. 88-13, 1988).
-R3M2SI = json.loads((Path(__file__).parent / "data" / "r3m2si_cases.json").read_text())["cases"]
+R3M2SI = json.loads((files(r3) / "references" / "r3m2si.json").read_text())["cases"]
 
 ROBOTS = [
     r3.Robot(model=model, load=load)

@@ -12,6 +12,7 @@ from independent import BACKLASH, DAMPING, STIFFNESS, IndependentRobot
 from oracle_runs import ECCENTRIC, RUNS
 
 import manutec_r3 as r3
+from manutec_r3.check import work_until
 
 # All but the one in which nothing moves.
 MOVING = [name for name in RUNS if name != "3-hold"]
@@ -45,28 +46,28 @@ class Balance:
 
 def balance(result, robot):
     """Balance of a run of the package, with the energies of an independent robot."""
-    steps = np.unique(result.time)
-    # Five points integrate polynomials of degree 9: eight change nothing here.
-    points, weights = np.polynomial.legendre.leggauss(5)
-    half = np.diff(steps)[:, None] / 2.0
-    inside = steps[:-1, None] + half * (1.0 + points)
-    now = result.at(inside.ravel())
-
-    def integral(power):
-        in_steps = (power.sum(axis=1).reshape(inside.shape) * weights * half).sum(axis=1)
-        return np.concatenate(([0.0], np.cumsum(in_steps)))
-
-    some = np.linspace(0, len(steps) - 1, 60).astype(int)
     e = robot.n_elastic
-    deflection_rate = (now.rotor_rate - robot.ratio * now.joint_rate)[:, :e]
-    motor_power = now.motor_torque * now.rotor_rate
+
+    def powers(now):
+        deflection_rate = (now.rotor_rate - robot.ratio * now.joint_rate)[:, :e]
+        motors = now.motor_torque * now.rotor_rate
+        return {
+            "motors": motors,
+            "friction": now.friction_torque * now.rotor_rate,
+            "damping": DAMPING[:e] * deflection_rate**2,
+            "turned_over": np.abs(motors),
+        }
+
+    steps = np.unique(result.time)
+    work = work_until(result, steps, powers)
+    some = np.linspace(0, len(steps) - 1, 60).astype(int)
     energy = energies(result.at(steps[some]), robot)
     return Balance(
-        motors=integral(motor_power)[some],
-        friction=integral(now.friction_torque * now.rotor_rate)[some],
-        damping=integral(DAMPING[:e] * deflection_rate**2)[some],
+        motors=work["motors"][some],
+        friction=work["friction"][some],
+        damping=work["damping"][some],
         energy=energy - energy[0],
-        turned_over=integral(np.abs(motor_power))[-1],
+        turned_over=work["turned_over"][-1],
     )
 
 

@@ -1,4 +1,4 @@
-"""The picture of Figure 9: what is drawn, and where exactly an axis is shown to stick."""
+"""Pictures: what is drawn, where exactly an axis is shown to stick, where two results part."""
 
 import sys
 from itertools import combinations
@@ -10,7 +10,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.text import Text
 
 import manutec_r3 as r3
-from manutec_r3.plot import figure9, sticking
+from manutec_r3.plot import comparison, figure9, sticking
 
 
 @pytest.fixture(scope="module")
@@ -77,13 +77,17 @@ def test_three_axes_make_three_rows():
 
 def test_no_words_overlap(result):
     figure, rows = panels(result)
+    assert_no_words_overlap(figure, rows.flat)
+
+
+def assert_no_words_overlap(figure, panels):
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     # labels of ticks exist also where they are not drawn; Matplotlib keeps them apart itself
-    ticks = {t for p in rows.flat for t in (*p.get_xticklabels(), *p.get_yticklabels())}
+    ticks = {t for p in panels for t in (*p.get_xticklabels(), *p.get_yticklabels())}
     words = [t for t in figure.findobj(Text) if t.get_visible() and t.get_text() and t not in ticks]
     boxes = [(t.get_text(), t.get_window_extent(canvas.get_renderer())) for t in words]
-    assert len(boxes) > 20  # headings, axes, peaks, legend
+    assert len(boxes) > 8  # headings, axes, peaks, legend
     for (one, box), (other, other_box) in combinations(boxes, 2):
         assert not box.overlaps(other_box), (one, other)
 
@@ -91,9 +95,93 @@ def test_no_words_overlap(result):
 def test_the_callers_pyplot_is_left_alone(result, monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)  # any import of it fails
     figure9(result).savefig(tmp_path / "figure9.png")
+    comparison(r3.compare(result, result)).savefig(tmp_path / "comparison.png")
 
 
 def test_without_matplotlib_the_error_says_how_to_get_it(result, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     with pytest.raises(ImportError, match=r'pip install "manutec-r3\[plot\]"'):
         figure9(result)
+    with pytest.raises(ImportError, match=r'pip install "manutec-r3\[plot\]"'):
+        comparison(r3.compare(result, result))
+
+
+# --- where two results part ---------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def compared(result):
+    """The same run with a load that is a little lighter."""
+    lighter = r3.Robot(model=3, load=r3.Load(mass=14.5))
+    return r3.compare(r3.simulate(lighter, result.motion, t_end=1.5), result)
+
+
+def test_the_worst_curves_are_drawn_with_their_tubes(compared):
+    figure = comparison(compared, n=4)
+    above, below = np.reshape(figure.axes, (2, 4))
+    for panel, difference, worst in zip(above, below, compared.worst(4), strict=True):
+        signal = worst.signal.replace("_", " ").capitalize()
+        assert panel.get_title(loc="left").startswith(f"{signal} {worst.axis} [")
+        time, drawn = curve(panel, "result")
+        np.testing.assert_array_equal(time, worst.time)
+        np.testing.assert_array_equal(drawn, worst.value)
+        time, drawn = curve(panel, "reference")
+        np.testing.assert_array_equal(time, worst.reference_time)
+        np.testing.assert_array_equal(drawn, worst.reference)
+        (tube,) = (c for c in panel.collections if c.get_label() == "tube")
+        ends = tube.get_paths()[0].get_extents()
+        assert (ends.y0, ends.y1) == (worst.lower.min(), worst.upper.max())
+        line = difference.lines[0]
+        np.testing.assert_array_equal(line.get_xdata(), worst.difference_time)
+        np.testing.assert_array_equal(line.get_ydata(), worst.difference)
+        (note,) = difference.texts
+        assert f"at {worst.instant:.3f} s" in note.get_text()
+
+
+def test_the_time_outside_the_tube_is_shaded(compared):
+    figure = comparison(compared)
+    above, below = np.reshape(figure.axes, (2, 3))
+    for column, worst in zip(zip(above, below, strict=True), compared.worst(3), strict=True):
+        for panel in column:
+            (shade,) = (c for c in panel.collections if c.get_label() == "outside the tube")
+            spans = [path.get_extents().intervalx for path in shade.get_paths()]
+            begin, end = np.transpose(spans)[:, :, None]
+            # A bar is drawn from its beginning and its width, whose sum rounds. At an event one
+            # side of an instant may be outside, and the other not.
+            near = (begin - 1e-12 <= worst.time) & (worst.time <= end + 1e-12)
+            assert near.any(axis=0)[worst.outside].all()
+            within = (begin + 1e-12 < worst.time) & (worst.time < end - 1e-12)
+            assert worst.outside[within.any(axis=0)].all()
+
+
+def test_events_that_only_one_has_are_marked(compared):
+    different = {e.time for e in (*compared.events.extra, *compared.events.missing)}
+    assert different
+    for panel in comparison(compared).axes:
+        marks = (m for m in panel.lines if m.get_label() == "event that only one has")
+        assert {mark.get_xdata()[0] for mark in marks} == different
+
+
+def test_what_agrees_has_neither_shades_nor_marks(result):
+    figure = comparison(r3.compare(result, result))
+    assert figure.get_suptitle() == "All 78 curves stay inside the tube, events agree"
+    labels = {text.get_text() for legend in figure.legends for text in legend.get_texts()}
+    assert labels == {"tube", "reference", "result"}
+
+
+def test_the_heading_of_a_comparison_says_what_was_found(compared, result):
+    outside = sum(not curve.agrees for curve in compared.curves)
+    heading = f"{outside} of 78 curves leave the tube, events differ"
+    assert comparison(compared).get_suptitle() == heading
+
+
+@pytest.mark.parametrize("n", [1, 3])
+def test_no_words_of_a_comparison_overlap(compared, n):
+    figure = comparison(compared, n)
+    assert_no_words_overlap(figure, figure.axes)
+
+
+@pytest.mark.parametrize(("n", "error"), [(0, ValueError), (1.5, TypeError), (True, TypeError)])
+def test_a_number_of_curves_that_is_none_is_refused(compared, n, error):
+    with pytest.raises(error, match=f"n: expected .* curve.*, got {n}"):
+        comparison(compared, n)

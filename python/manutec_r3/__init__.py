@@ -12,6 +12,9 @@ A `Robot` that follows a motion is simulated by `simulate`, or step by step by a
 All quantities are in SI units; axes are counted from 1.
 """
 
+from .check import Check, check
+from .compare import Comparison, CurveComparison, compare
+from .compare_events import EventComparison, compare_events
 from .errors import SimulationError
 from .events import Event, Events
 from .inputs import Input
@@ -23,7 +26,11 @@ from .scenario import Scenario, scenarios
 from .simulation import Simulator, simulate
 
 __all__ = [
+    "Check",
+    "Comparison",
+    "CurveComparison",
     "Event",
+    "EventComparison",
     "Events",
     "FunctionMotion",
     "Hold",
@@ -42,6 +49,9 @@ __all__ = [
     "Spline",
     "Statistics",
     "Trapezoid",
+    "check",
+    "compare",
+    "compare_events",
     "scenarios",
     "simulate",
 ]

@@ -15,6 +15,8 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from .archive import write_events, write_npz
+from .check import Check
+from .check import check as compute_checks
 from .errors import SimulationError
 from .plot import figure9
 from .result import Method, Result
@@ -84,6 +86,18 @@ def list_scenarios() -> None:
 def show(scenario: ScenarioArgument) -> None:
     """Print a scenario's TOML text: a start for your own."""
     print(_load(scenario).source, end="")
+
+
+@app.command()
+def check() -> None:
+    """Compute published numbers on this machine, and compare; exit code 1 if any is missed."""
+    checks = compute_checks()
+    out = Console(highlight=False)
+    out.print(_verdicts(checks))
+    failed = sum(not row.passed for row in checks)
+    if failed:
+        _fail(f"{failed} of {len(checks)} checks failed")
+    out.print(f"\nAll {len(checks)} checks passed.")
 
 
 def _load(name: str) -> Scenario:
@@ -242,6 +256,24 @@ def _work(result: Result) -> Table:
         f"{work.seconds:.3g} s for {simulated:g} s: "
         f"{simulated / work.seconds:.3g} times as fast as real time",
     )
+    return table
+
+
+def _verdicts(checks: list[Check]) -> Table:
+    """Tabulate what was expected and found, and by how much they differ."""
+    table = Table(box=box.SIMPLE_HEAD, show_edge=False, header_style="", pad_edge=False, leading=1)
+    for heading in ("what\nsource", "expected", "found"):
+        table.add_column(heading)
+    table.add_column("deviation\nallowed", justify="right", no_wrap=True)
+    table.add_column("verdict", no_wrap=True)
+    for row in checks:
+        table.add_row(
+            f"{escape(row.what)}\n[dim]{escape(row.source)}[/]",
+            escape(row.expected),
+            escape(row.found),
+            f"{row.deviation:.1e}\n[dim]{row.tolerance:.1e}[/]",
+            "passed" if row.passed else "[bold red]FAILED[/]",
+        )
     return table
 
 

@@ -1,5 +1,7 @@
 """The signals that results and simulators offer under the same names."""
 
+import re
+
 import numpy as np
 
 from . import _core
@@ -39,3 +41,8 @@ class Signals:
     friction_torque = _property("friction_torque", "Friction torques `rM` [N m], motor side.")
     joint_torque = _property("joint_torque", "Torques at the joints `aF` [N m], joint side.")
     voltage = _property("voltage", "Output of the rate controllers `U` [V].")
+
+
+def signal_unit(name: str) -> str:
+    """Return the unit of a signal, as its description says in brackets."""
+    return re.search(r"\[(.+?)\]", getattr(Signals, name).__doc__)[1]

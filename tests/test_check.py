@@ -1,0 +1,215 @@
+"""`check` passes here, and each of its rows fails when what it expects or computes is falsified."""
+
+import copy
+import sys
+from importlib.resources import files
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import manutec_r3 as r3
+from manutec_r3.command_line import app
+
+module = sys.modules["manutec_r3.check"]  # its name in the package is that of the function
+WHAT = ("acceleration", "hold", "control error", "motor torque", "events", "work")
+
+
+@pytest.fixture(scope="module")
+def rows():
+    return r3.check()
+
+
+def failed(rows):
+    """What does not pass, by a word of it."""
+    return [word for word, row in zip(WHAT, rows, strict=True) if not row.passed]
+
+
+@pytest.fixture
+def falsify(monkeypatch):
+    """Puts something else in the place of a reference, for what follows."""
+
+    def put(name, change):
+        original = module._reference
+
+        def changed(asked):
+            data = copy.deepcopy(original(asked))
+            if asked == name:
+                change(data)
+            return data
+
+        monkeypatch.setattr(module, "_reference", changed)
+
+    return put
+
+
+def set_parameter(monkeypatch, table, key, change):
+    """Let robots say that a parameter is another."""
+    original = r3.Robot.parameters.fget
+
+    def parameters(robot):
+        tables = original(robot)
+        return tables | {table: tables[table] | {key: change(np.array(tables[table][key]))}}
+
+    monkeypatch.setattr(r3.Robot, "parameters", property(parameters))
+
+
+def test_the_published_numbers_are_reproduced(rows):
+    assert failed(rows) == []
+    for word, row in zip(WHAT, rows, strict=True):
+        assert word in row.what
+        assert row.source
+
+
+def test_rows_say_what_was_expected_and_found(rows):
+    _, holding, errors, torques, events, _ = rows
+    assert holding.expected == holding.found == "0.0 -746.7 -263.7"
+    assert errors.expected == errors.found == "8.09 10.06 6.89 1.46 2.07 1.27"
+    assert torques.expected == torques.found == "2.81 5.43 7.04 0.28 1.20 0.17"
+    assert events.found == "60: 26 dead zone, 20 friction, 13 backlash, 1 reference"
+
+
+def test_every_reference_is_installed_and_says_where_it_comes_from():
+    names = [file.name.removesuffix(".json") for file in (files(r3) / "references").iterdir()]
+    assert {"r3m2si", "holding", "figure9_quintic"} <= set(names)
+    for name in names:
+        assert module._reference(name)["about"]
+
+
+def test_all_cases_of_the_original_routine_are_computed(rows):
+    assert len(module._reference("r3m2si")["cases"]) == 20
+    assert "20 cases" in rows[0].what
+
+
+@pytest.mark.parametrize("case", [0, 19])
+def test_accelerations_fail_if_one_number_is_another(falsify, case):
+    def change(data):
+        data["cases"][case]["qdd"][1] *= 1.0 + 1e-10
+
+    falsify("r3m2si", change)
+    assert failed(r3.check()) == ["acceleration"]
+
+
+def test_holding_torques_fail_by_a_printed_digit(falsify):
+    def change(data):
+        data["tau"][2] += 0.1
+
+    falsify("holding", change)
+    assert failed(r3.check()) == ["hold"]
+
+
+@pytest.mark.parametrize(
+    ("signal", "digit", "word"),
+    [("control_error", 1e-5, "control error"), ("motor_torque", 1e-2, "motor torque")],
+)
+@pytest.mark.parametrize("axis", [1, 6])
+def test_peaks_fail_by_a_printed_digit_of_one_axis(rows, falsify, signal, digit, word, axis):
+    def change(data):
+        data[signal][axis - 1] += digit
+
+    falsify("figure9_quintic", change)
+    assert failed(r3.check()) == [word]
+
+
+@pytest.mark.parametrize(
+    ("changes", "wrong"),
+    [({"friction": 21}, 1), ({"friction": 21, "backlash": 12}, 2), ({"torque_limit": 1}, 1)],
+)
+def test_events_fail_if_one_is_of_another_kind(falsify, changes, wrong):
+    falsify("figure9_quintic", lambda data: data["events"].update(changes))
+    rows = r3.check()
+    assert failed(rows) == ["events"]
+    assert rows[4].deviation == wrong
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "change"),
+    [
+        ("table_2", "d", lambda d: d * [1.0, 1.0, 1.001]),
+        ("table_2", "c", lambda c: c * [1.0, 1.001, 1.0]),
+        ("table_2", "b", lambda b: np.add(b, [1e-5, 0.0, 0.0])),
+        ("table_3", "rJ", lambda J: J * [1.0, 1.0, 1.001, 1.0, 1.0, 1.0]),
+    ],
+)
+def test_energy_does_not_balance_with_another_parameter(monkeypatch, table, key, change):
+    set_parameter(monkeypatch, table, key, change)
+    assert failed(r3.check()) == ["work"]
+
+
+def test_energy_does_not_balance_with_another_mass_matrix(monkeypatch):
+    original = r3.Robot.mass_matrix
+    monkeypatch.setattr(r3.Robot, "mass_matrix", lambda robot, q: 1.0001 * original(robot, q))
+    assert failed(r3.check()) == ["work"]
+
+
+def test_energy_does_not_balance_with_another_load():
+    """The load is in the mass matrix, and in the work against gravity."""
+    reference = module._reference("figure9_quintic")
+    run = r3.Scenario.load("figure9").run()
+    run.robot = r3.Robot(model=3, load=r3.Load(15.0001, bounds=False))
+    assert not module._energy(run, reference).passed
+    run.robot = r3.Robot(model=3, load=r3.Load(15.0))
+    assert module._energy(run, reference).passed
+
+
+# --- the Modelica variant -------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def figures():
+    """A run, and what it prints at some instants."""
+    motion = r3.Quintic([0.0] * 3, [0.3, 0.2, 0.1], 0.2)
+    run = r3.simulate(r3.Robot(model=4), motion, 0.3)
+    time = [0.05, 0.1, 0.2, 0.3]
+    now = run.at(time)
+    return run, {
+        "time": time,
+        "joint_angle": now.joint_angle[:, 0].tolist(),
+        "pt2_torque": now.state[:, run.robot.state_names.index("pt2_torque[1]")].tolist(),
+    }
+
+
+def test_figures_of_one_axis_are_found(figures):
+    row = module._one_axis(*figures)
+    assert row.passed
+    assert row.deviation == 0.0
+    assert "2 signals of OneAxis at 4 instants" in row.what
+
+
+@pytest.mark.parametrize("signal", ["joint_angle", "pt2_torque"])
+@pytest.mark.parametrize("instant", [0, 3])
+def test_a_figure_of_one_axis_that_is_another_is_named(figures, signal, instant):
+    run, expected = figures
+    wrong = copy.deepcopy(expected)
+    wrong[signal][instant] += 1e-4 * np.ptp(expected[signal])
+    row = module._one_axis(run, wrong)
+    assert not row.passed
+    assert row.deviation == pytest.approx(1e-4, rel=1e-3)
+    assert signal.replace("_", " ") in row.found
+
+
+# --- the command ----------------------------------------------------------------------------------
+
+
+def test_the_command_prints_a_table_and_ends_well(rows):
+    done = CliRunner().invoke(app, ["check"], env={"COLUMNS": "200"})
+    assert done.exit_code == 0
+    for row in rows:
+        (line,) = (line for line in done.stdout.splitlines() if row.what in line)
+        assert row.expected in line
+        assert row.found in line
+        assert line.rstrip().endswith("passed")
+        assert row.source in done.stdout
+    assert done.stdout.endswith("All 6 checks passed.\n")
+
+
+def test_the_command_says_what_failed_and_ends_with_1(falsify):
+    def change(data):
+        data["tau"][1] = 0.0
+
+    falsify("holding", change)
+    done = CliRunner().invoke(app, ["check"], env={"COLUMNS": "200"})
+    assert done.exit_code == 1
+    (line,) = (line for line in done.stdout.splitlines() if "FAILED" in line)
+    assert "0.0 0.0 -263.7" in line
+    assert done.stderr == "error: 1 of 6 checks failed\n"
