@@ -117,12 +117,10 @@ def limit_excesses(
     """
     motors, arms = robot.parameters["table_1"], robot.parameters["table_3"]
     steps = _Steps(robot.n_axes, trajectory, samples)
-    found = [
-        *steps.beyond("joint_angle", arms["joint_limits"]),
-        *steps.beyond("rotor_rate", motors["rotor_rate_max"]),
-        *steps.beyond_nominal_torque(motors["rF_nom"]),
-        *steps.saturated(),
-    ]
+    found = [*steps.beyond("joint_angle", arms["joint_limits"]), *steps.saturated()]
+    if "rF_nom" in motors:  # of the Modelica variant no limits of motors are known
+        found += steps.beyond("rotor_rate", motors["rotor_rate_max"])
+        found += steps.beyond_nominal_torque(motors["rF_nom"])
     return tuple(sorted(found, key=lambda excess: excess.begin))
 
 
