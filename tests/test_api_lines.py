@@ -550,8 +550,11 @@ def set_torque(torque, controller=None):
 # each: what is done; what the message says of field, axis, unit, expected and arrived value
 BAD = [
     # robot and load
-    (lambda: r3.Robot(model=5), r"model: expected 1, 2, 3 or 4, got 5"),
-    (lambda: r3.Robot(model="3"), r"model: expected 1, 2, 3 or 4, got '3'"),
+    (lambda: r3.Robot(model=5), r"model: expected 1, 2, 3, 4, 'full-robot' or 'one-axis', got 5"),
+    (
+        lambda: r3.Robot(model="3"),
+        r"model: expected 1, 2, 3, 4, 'full-robot' or 'one-axis', got '3'",
+    ),
     (lambda: r3.Robot(load=15.0), r"load: expected a Load, got 15\.0"),
     (lambda: r3.Robot(controller="pid"), r"controller: expected .*'continuous'.*, got 'pid'"),
     (lambda: r3.Load(-1.0), r"load\.mass: expected .*0 kg.*, got -1 kg"),

@@ -139,9 +139,9 @@ def test_tables_are_those_of_the_report():
     assert tables["table_1"]["a"] == [0.094, 0.094, 0.094, 0.022, 0.096, 0.044]
     assert tables["table_2"]["c"] == [43, 8, 58]
     assert tables["table_2"]["b"] == [0.01, 0.06, 0.0]
-    assert tables["table_2"]["rM_h"] == (0.4, 0.5, 0.7, 0.27, 0.5, 0.17)
+    assert tables["table_2"]["rM_h"] == [0.4, 0.5, 0.7, 0.27, 0.5, 0.17]
     assert tables["table_2"]["friction"][1] == ((0, 0.5), (130, 0.6), (360, 0.7))
-    assert tables["table_3"]["rJ"] == (1.3e-3, 1.3e-3, 1.3e-3, 1.6e-4, 1.8e-4, 4.3e-5)
+    assert tables["table_3"]["rJ"] == [1.3e-3, 1.3e-3, 1.3e-3, 1.6e-4, 1.8e-4, 4.3e-5]
     assert tables["table_3"]["arms"][1]["mass"] == 56.5
     assert tables["table_3"]["lumped_arm_3"]["I13"] == 0.33
     assert tables["table_3"]["joint_limits"] == [2.97, 2.01, 2.86, np.inf, np.inf, np.inf]

@@ -70,7 +70,14 @@ void register_robot(py::module_& module) {
       .def_property_readonly(
           "tables", [](const Robot& robot) { return as_dict(robot.tables(), robot.model()); })
       .def_property_readonly("n_axes", &Robot::n_axes)
-      .def_property_readonly("n_elastic", &Robot::n_elastic)
+      .def_property_readonly("elements",
+                             [](const Robot& robot) {
+                               std::vector<std::string> names;
+                               for (const robot::ElementKind kind : robot.elements()) {
+                                 names.emplace_back(robot::element_names[kind]);
+                               }
+                               return names;
+                             })
       .def_property_readonly("has_real_gears", &Robot::has_real_gears)
       .def_property_readonly("n_states", &Robot::n_states)
       .def_property_readonly("n_indicators", &Robot::n_indicators)

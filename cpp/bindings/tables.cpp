@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -34,9 +35,9 @@ py::object entry(const FrictionPoints& points) {
 
 py::object entry(const arm::Arm& arm) {
   py::dict entries;
-  entries["offset"] = py::tuple(py::cast(arm.offset));
+  entries["offset"] = arm.offset;
   entries["mass"] = arm.body.mass;
-  entries["centre_of_mass"] = py::tuple(py::cast(arm.body.centre));
+  entries["centre_of_mass"] = arm.body.centre;
   entries["I11"] = arm.body.I11;
   entries["I22"] = arm.body.I22;
   entries["I33"] = arm.body.I33;
@@ -44,12 +45,13 @@ py::object entry(const arm::Arm& arm) {
   return entries;
 }
 
-// The first entries of a row; robots of one axis have one.
+// The first entries of a row; robots of one axis have one. Numbers make a list.
 template <class Value, std::size_t size>
 py::object as_python(const std::array<Value, size>& row, int n_columns) {
   py::list entries;
   const int n = std::min(n_columns, static_cast<int>(size));
   for (int i = 0; i < n; ++i) entries.append(entry(row[i]));
+  if constexpr (std::is_same_v<Value, double>) return entries;
   return py::tuple(entries);
 }
 
@@ -112,7 +114,7 @@ void read(const py::handle& from, arm::Arm& arm) {
 template <class Value, std::size_t size>
 void read(const py::handle& from, std::array<Value, size>& row) {
   std::size_t i = 0;
-  for (const py::handle entry : py::cast<py::tuple>(from)) read(entry, row.at(i++));
+  for (const py::handle entry : py::cast<py::sequence>(from)) read(entry, row.at(i++));
 }
 
 template <class Table>

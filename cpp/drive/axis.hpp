@@ -53,9 +53,11 @@ struct Axes {
                       of(dx, pt2_torque_rate));
   }
 
-  // e [V].
-  PerAxis<N> rate_error(const double* x, const PerAxis<N>& command) const {
-    return rate_controller.rate_error(command, of(x, tachogenerator_2), of(x, filter));
+  // w + K_S T_0 e - U [V].
+  PerAxis<N> drive_of_voltage(const double* x, const PerAxis<N>& command) const {
+    const PerAxis<N> e =
+        rate_controller.rate_error(command, of(x, tachogenerator_2), of(x, filter));
+    return rate_controller.drive(e, of(x, controller), of(x, voltage));
   }
 
   // rF [N m].

@@ -15,7 +15,7 @@ template <int N>
 struct Motor {
   PerAxis<N> wi2, two_D_wi, k_m;
   // On the present branches:
-  Line<N> NL1;  // v from U; constant beyond a limit on U
+  Line<N> NL1;  // v from U
   Line<N> NL2;  // rF from m
 
   explicit Motor(const Table1& table)

@@ -50,7 +50,7 @@ struct Table1 {
     visit("K_V", "V/rad", Sign::not_negative, table.K_V);
     visit("K_D", "V s/rad", Sign::not_negative, table.K_D);
     visit("K_S", "1/s", Sign::positive, table.K_S);
-    visit("T_0", "s", Sign::not_negative, table.T_0);
+    visit("T_0", "s", Sign::positive, table.T_0);
     visit("T_e", "s", Sign::positive, table.T_e);
     visit("T_a", "s", Sign::not_negative, table.T_a);
     visit("T_b", "s", Sign::positive, table.T_b);

@@ -10,8 +10,10 @@
 //   w' = K_S e,               T_e U' = w + K_S T_0 e - U
 //
 // The report's controller has no anti-windup. With a limit on U (spec 8 offers one; this is the
-// project's reading of it) the motor gets the limited U, and while U is beyond its limit on the
-// side s, the integral rests as long as e drives it further:  w' = 0 while s e > 0.
+// project's reading of it) U stays at its limit as long as its equation drives it further out, and
+// w tends to U meanwhile. When U is released nothing jumps: there w' is K_S e again.
+//
+//   U' = 0,   T_0 w' = U - w   while U = s U_limit and s (w + K_S T_0 e - U) > 0
 #pragma once
 
 #include "drive/parameters.hpp"
@@ -22,18 +24,26 @@ namespace manutec_r3::drive {
 template <int N>
 struct RateController {
   PerAxis<N> k_s, k_s_T0, one_by_Te, one_by_Tb, Ta_by_Tb;
-  PerAxis<N> integrates = PerAxis<N>::Ones();  // on the present branches: 0 where w rests, else 1
+  PerAxis<N> one_by_T0;
+  // On the present branches: 0 where U is at its limit, else 1.
+  PerAxis<N> free = PerAxis<N>::Ones();
 
   explicit RateController(const Table1& table)
       : k_s(first<N>(table.K_S)),
         k_s_T0(first<N>(table.K_S) * first<N>(table.T_0)),
         one_by_Te(first<N>(table.T_e).inverse()),
         one_by_Tb(first<N>(table.T_b).inverse()),
-        Ta_by_Tb(first<N>(table.T_a) / first<N>(table.T_b)) {}
+        Ta_by_Tb(first<N>(table.T_a) / first<N>(table.T_b)),
+        one_by_T0(first<N>(table.T_0).inverse()) {}
 
   // e from the command u_c, the tachogenerator's voltage u_t and the filter's lag f [V].
   PerAxis<N> rate_error(const PerAxis<N>& command, ConstView<N> u_t, ConstView<N> f) const {
     return command - (f + Ta_by_Tb * (u_t - f));
+  }
+
+  // w + K_S T_0 e - U, which moves U, or would if U were not at its limit [V].
+  PerAxis<N> drive(const PerAxis<N>& e, ConstView<N> w, ConstView<N> U) const {
+    return w + k_s_T0 * e - U;
   }
 
   // States f, w, U and their derivatives; command u_c and tachogenerator voltage u_t [V].
@@ -41,8 +51,8 @@ struct RateController {
                    ConstView<N> U, View<N> df, View<N> dw, View<N> dU) const {
     const PerAxis<N> e = rate_error(command, u_t, f);
     df = one_by_Tb * (u_t - f);
-    dw = integrates * k_s * e;
-    dU = one_by_Te * (w + k_s_T0 * e - U);
+    dw = free * k_s * e + (1.0 - free) * one_by_T0 * (U - w);
+    dU = free * one_by_Te * drive(e, w, U);
   }
 };
 

@@ -18,7 +18,6 @@ class Mode {
   enum Row {
     friction_piece = n_axis_elements,  // of the friction characteristic
     creep,                             // 1: the rotor has broken away, its creep is watched
-    integral_rests,                    // 1: of the rate controller, beyond the limit on U
     brake,                             // 1: the brake is on
     n_rows
   };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -74,6 +75,11 @@ Robot::Robot(Model model, const arm::Load& load, const Options& options, const T
       arm_behind_gears_(mechanism(n_axes(), load_, options_, tables_, n_elastic())) {
   name_states();
   name_indicators();
+}
+
+std::vector<ElementKind> Robot::elements() const {
+  if (std::isinf(options_.voltage_limit)) return {dead_zone, torque_limit, backlash, friction};
+  return {dead_zone, torque_limit, voltage_limit, backlash, friction};
 }
 
 int Robot::friction_side(int axis) const {

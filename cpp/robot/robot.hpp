@@ -12,6 +12,7 @@
 #include "arm/mechanism.hpp"
 #include "drive/parameters.hpp"
 #include "motion/motion.hpp"
+#include "robot/elements.hpp"
 #include "robot/options.hpp"
 #include "robot/tables.hpp"
 
@@ -37,6 +38,9 @@ class Robot {
   // Throws std::invalid_argument: the load within its bounds, options that the model has, tables
   // that describe a robot.
   Robot(Model model, const arm::Load& load, const Options& options, const Tables& tables);
+  // With the model's own options and tables.
+  Robot(Model model, const arm::Load& load)
+      : Robot(model, load, default_options(model), default_tables(model)) {}
 
   Model model() const { return model_; }
   const arm::Load& load() const { return load_; }
@@ -53,6 +57,8 @@ class Robot {
   bool has_real_gears() const { return robot::has_real_gears(model_); }
   int n_elastic() const { return robot::n_elastic(model_); }
   bool has_controller() const { return options_.controller != Controller::none; }
+  // The elements of axes that users see.
+  std::vector<ElementKind> elements() const;
   // p.
   const drive::Row& gear_ratio() const { return tables_.gear_ratio(); }
   // +1 if the branch of an axis' friction tells how its rotor slides; otherwise it tells how its

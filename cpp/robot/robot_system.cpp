@@ -32,7 +32,6 @@ enum IndicatorRow {
   of_dead_zone,
   of_torque_limit,
   of_voltage_limit,
-  of_integral,
   of_backlash,
   of_friction,
   of_friction_piece,
@@ -112,8 +111,7 @@ class RobotSystemOf final : public RobotSystem {
 
   hybrid::Element element_of(int indicator) const override {
     constexpr std::array<ElementKind, n_indicator_rows> kinds = {
-        dead_zone, torque_limit, voltage_limit, voltage_limit,
-        backlash,  friction,     friction,      friction};
+        dead_zone, torque_limit, voltage_limit, backlash, friction, friction, friction};
     return {.axis = indicator / 2 % N + 1, .kind = kinds[indicator / (2 * N)]};
   }
 
@@ -147,7 +145,6 @@ class RobotSystemOf final : public RobotSystem {
         mode_.set(torque_limit, i, zone(pt2_torque(x)[i], pt2_torque(scratch_.data())[i], b_[i]));
         mode_.set(voltage_limit, i, zone(voltage(x)[i], U_rate, voltage_limit_value()));
       }
-      decide_integrals(t, x);
     }
     if (robot_->has_real_gears()) {
       const ConstView<E> delta = equations_.deflection(x);
@@ -180,9 +177,9 @@ class RobotSystemOf final : public RobotSystem {
     if (cause.time_event) pass_time_events(t, x, occasion, log);
     if (!cause.fired.empty()) {
       equations_.derivatives(t, x, scratch_.data());
-      for (const int indicator : cause.fired) cross(indicator, occasion);
+      for (const int indicator : cause.fired) cross(indicator, x, occasion);
     }
-    decide_integrals(t, x);
+    if (cause.time_event || cause.input_changed) look_at_voltage_limits(t, x);
     freeze();
     if (robot_->has_real_gears() && (occasion.jump || !cause.fired.empty())) {
       friction_.decide(t, x, occasion);
@@ -274,7 +271,7 @@ class RobotSystemOf final : public RobotSystem {
     signal(Signal::friction_torque) = now.torques.friction;
     signal(joint_torque) = equations_.p * now.torques.gear;
     if (robot_->has_controller()) {
-      signal(Signal::voltage) = voltage(x).max(-voltage_limit_value()).min(voltage_limit_value());
+      signal(Signal::voltage) = voltage(x);
     } else {
       signal(Signal::voltage).setConstant(not_available);
     }
@@ -373,29 +370,30 @@ class RobotSystemOf final : public RobotSystem {
         edges(branch(torque_limit, i), m[i], b_[i], slot(z, of_torque_limit, i));
       }
       if (std::isinf(voltage_limit_value())) return;
-      const PerAxis<N> e = rate_error(t, x);
+      const PerAxis<N> outward = drive_of_voltage(t, x);
       for (int i = 0; i < N; ++i) {
         const int side = branch(voltage_limit, i);
-        edges(side, U[i], voltage_limit_value(), slot(z, of_voltage_limit, i));
-        if (side == 0) continue;
-        slot(z, of_integral, i)[0] =
-            mode_.branch(Mode<N>::integral_rests, i) ? side * e[i] : -side * e[i];
+        double* of_limit = slot(z, of_voltage_limit, i);
+        if (side == 0) {
+          edges(0, U[i], voltage_limit_value(), of_limit);
+        } else {
+          of_limit[0] = side * outward[i];
+        }
       }
     }
   }
 
-  PerAxis<N> rate_error(double t, const double* x) const {
-    return equations_.axes.rate_error(equations_.electrical(x), equations_.command(t, x));
+  PerAxis<N> drive_of_voltage(double t, const double* x) const {
+    return equations_.axes.drive_of_voltage(equations_.electrical(x), equations_.command(t, x));
   }
 
-  // Beyond the limit on U the integral rests if the rate error drives it further out. The error
-  // jumps at samples.
-  void decide_integrals(double t, const double* x) {
+  // Where the command has jumped, U may leave its limit at once, or stay at it from now on.
+  void look_at_voltage_limits(double t, const double* x) {
     if constexpr (Axes::switches) {
       if (!switches_electrically() || std::isinf(voltage_limit_value())) return;
-      const PerAxis<N> e = rate_error(t, x);
+      const PerAxis<N> outward = drive_of_voltage(t, x);
       for (int i = 0; i < N; ++i) {
-        mode_.set(Mode<N>::integral_rests, i, branch(voltage_limit, i) * e[i] > 0.0);
+        mode_.set(voltage_limit, i, zone(voltage(x)[i], outward[i], voltage_limit_value()));
       }
     }
   }
@@ -408,7 +406,7 @@ class RobotSystemOf final : public RobotSystem {
   }
 
   // An indicator has left its domain.
-  void cross(int indicator, Occasion& occasion) {
+  void cross(int indicator, double* x, Occasion& occasion) {
     const int row = indicator / (2 * N);
     const int i = indicator / 2 % N;
     const bool lower = indicator % 2 != 0;
@@ -421,9 +419,16 @@ class RobotSystemOf final : public RobotSystem {
         if constexpr (Axes::switches) leave_zone(torque_limit, i, lower, pt2_torque(rates)[i]);
         break;
       case of_voltage_limit:
-        leave_zone(voltage_limit, i, lower, voltage(rates)[i]);
-        break;
-      case of_integral:  // decided for all axes
+        if constexpr (Axes::switches) {
+          if (const int side = branch(voltage_limit, i); side != 0) {
+            mode_.set(voltage_limit, i, 0);
+            break;
+          }
+          leave_zone(voltage_limit, i, lower, voltage(rates)[i]);
+          if (const int side = branch(voltage_limit, i); side != 0) {
+            Axes::of(equations_.electrical(x), drive::voltage)[i] = side * voltage_limit_value();
+          }
+        }
         break;
       case of_backlash:
         leave_zone(backlash, i, lower, equations_.deflection(rates)[i]);
@@ -467,14 +472,9 @@ class RobotSystemOf final : public RobotSystem {
   void freeze() {
     if constexpr (Axes::switches) {
       for (int i = 0; i < N; ++i) {
-        drive::Line<N>& NL1 = equations_.axes.motor.NL1;
-        NL1.set_dead_zone(i, branch(dead_zone, i), a_[i]);
-        if (const int side = branch(voltage_limit, i); side != 0) {
-          NL1.set(i, 0.0, side * (voltage_limit_value() - a_[i]));
-        }
+        equations_.axes.motor.NL1.set_dead_zone(i, branch(dead_zone, i), a_[i]);
         equations_.axes.motor.NL2.set_saturation(i, branch(torque_limit, i), b_[i]);
-        equations_.axes.rate_controller.integrates[i] =
-            mode_.branch(Mode<N>::integral_rests, i) ? 0.0 : 1.0;
+        equations_.axes.rate_controller.free[i] = branch(voltage_limit, i) == 0 ? 1.0 : 0.0;
       }
     }
     if (robot_->has_real_gears()) {

@@ -196,12 +196,15 @@ void check_state(const Robot& robot, std::span<const double> x) {
                                 std::to_string(x.size()));
   }
   for (const StateGroup& states : robot.states()) {
+    const double limit = states.name == "voltage" ? robot.options().voltage_limit : arm::no_limit;
     for (int i = 0; i < states.size; ++i) {
       const double value = x[states.first + i];
-      if (std::isfinite(value)) continue;
+      if (std::isfinite(value) && std::abs(value) <= limit) continue;
       std::ostringstream message;
       message << "start: expected a finite " << states.name << " of axis " << i + 1 << " ["
-              << states.unit << "], got " << value;
+              << states.unit << "]";
+      if (std::isfinite(limit)) message << " within its limit " << limit;
+      message << ", got " << value;
       throw std::invalid_argument(message.str());
     }
   }

@@ -11,8 +11,6 @@ from .arguments import floats
 from .events import Events
 from .inputs import Inputs
 from .limits import LimitExcess, limit_events, limit_excesses
-from .motion import Motion
-from .robot import Robot
 from .signals import Signals, signal_names
 
 Method = Literal["erk", "bdf"]
@@ -106,7 +104,8 @@ class Samples(Signals):
     @property
     def branches(self) -> dict[str, np.ndarray]:
         """Branches (n, n_axes) of each element: -1, 0, +1; 0 if an axis has no such element."""
-        return dict(zip(_core.axis_elements, self._values[2], strict=True))
+        branches = dict(zip(_core.axis_elements, self._values[2], strict=True))
+        return {name: branches[name] for name in self._run.inputs.robot._compiled.elements}
 
     def _signal(self, name: str) -> np.ndarray:
         return self._values[1][signal_names.index(name)]

@@ -15,6 +15,7 @@ from .motion import Hold, Motion, Quintic, Sequence, Spline, Trapezoid
 from .result import Method, Result
 from .robot import Load, Robot
 from .simulation import simulate
+from .tables import TABLES
 
 _FOLDER = files(__package__) / "scenarios"
 
@@ -44,12 +45,15 @@ class Scenario:
         End of the simulation [s]; it begins at 0.
     description : str
         One line about it.
-    start : {"rotor", "arm"} or list of float
+    start : {"rotor", "arm"} or list of float, optional
         What rests on the reference at first, or the state to start from; see `simulate`.
     rtol : float, optional
         Tolerance relative to the states' nominal values; default: the method's own.
-    method : {"erk", "bdf"}
-        Integration method.
+    method : {"erk", "bdf"}, optional
+        Integration method; default: the robot's own.
+    inputs : dict
+        What acts from outside: ``motor_torque``, ``command``, ``tip_force``, ``brakes``; see
+        `simulate`.
     published : dict of str to (float, float)
         Lowest and highest value of ``joint_angle`` [rad], ``control_error`` [rad] and
         ``motor_torque`` [N m] over all axes, as far as they are published.
@@ -59,12 +63,13 @@ class Scenario:
 
     name: str
     robot: Robot
-    motion: Motion
+    motion: Motion | None
     t_end: float
     description: str = ""
-    start: str | list[float] = "rotor"
+    start: str | list[float] | None = None
     rtol: float | None = None
-    method: Method = "erk"
+    method: Method | None = None
+    inputs: Mapping[str, Any] = field(default_factory=dict)
     published: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     source: str = field(default="", repr=False, compare=False)
 
@@ -101,7 +106,8 @@ class Scenario:
             or that it does not have, such as ``times``.
         """
         names = ("robot", "motion", "t_end", "rtol", "method", "start")
-        return simulate(**{name: getattr(self, name) for name in names} | overrides)
+        settings = {name: getattr(self, name) for name in names}
+        return simulate(**settings | dict(self.inputs) | overrides)
 
 
 def _find(name_or_path: str | Path) -> tuple[str, Traversable]:
@@ -182,17 +188,38 @@ _MOTIONS = {
     "hold": (Hold, {"angles": _ANGLES}, {"duration": _Kind("a time [s]", _is_number)}),
     "sequence": (Sequence, {"motions": _TABLES}, {}),
 }
-_SCENARIO = {"t_end": _positive("time [s]"), "robot": _TABLE, "motion": _TABLE}
+_SCENARIO = {"t_end": _positive("time [s]"), "robot": _TABLE}
 _SCENARIO_OPTIONS = {
     "description": _TEXT,
+    "motion": _TABLE,
     "start": _START,
+    "inputs": _TABLE,
     "solver": _TABLE,
     "published": _TABLE,
 }
-_ROBOT = {"model": _Kind("an integer", lambda value: type(value) is int)}
-_ROBOT_OPTIONS = {"load": _TABLE}
+_ROBOT = {"model": _Kind("a number or a name", lambda value: type(value) in (int, str))}
+# What options and tables may be the robot itself knows.
+_ROBOT_OPTIONS = {
+    "load": _TABLE,
+    "controller": _TEXT,
+    "rotor_coupling": _Kind("a text or a list of texts", lambda value: type(value) in (str, list)),
+    "gear_damping": _TEXT,
+    "stiction": _TEXT,
+    "arm": _TEXT,
+    "creep_rate": _Kind("a rate [rad/s]", _is_number),
+    "voltage_limit": _positive("voltage [V]"),
+    **dict.fromkeys(TABLES, _TABLE),
+}
 _LOAD = {"mass": _Kind("a mass [kg]", _is_number)}
-_LOAD_OPTIONS = {"position": _Kind("three coordinates [m]", lambda value: _is_list(value, 3))}
+_FLAG = _Kind("true or false", lambda value: isinstance(value, bool))
+_POINT = _Kind("three coordinates [m]", lambda value: _is_list(value, 3))
+_LOAD_OPTIONS = {"position": _POINT, "bounds": _FLAG}
+_INPUTS_OPTIONS = {
+    "motor_torque": _list_of("motor torques [N m]"),
+    "command": _list_of("voltages [V]"),
+    "tip_force": _Kind("three components [N]", lambda value: _is_list(value, 3)),
+    "brakes": _FLAG,
+}
 _SOLVER_OPTIONS = {"rtol": _positive("number"), "method": _METHOD}
 _PUBLISHED_OPTIONS = dict.fromkeys(("joint_angle", "control_error", "motor_torque"), _RANGE)
 
@@ -203,7 +230,9 @@ def _settings(data: dict[str, Any]) -> dict[str, Any]:
     settings = {key: data[key] for key in ("t_end", "description", "start") if key in data}
     settings["robot"] = _robot(data["robot"])
     with _at("[motion]"):
-        settings["motion"] = _motion(data["motion"])
+        settings["motion"] = _motion(data["motion"]) if "motion" in data else None
+    with _at("[inputs]"):
+        settings["inputs"] = _check(data.get("inputs", {}), {}, _INPUTS_OPTIONS)
     with _at("[solver]"):
         settings |= _check(data.get("solver", {}), {}, _SOLVER_OPTIONS)
     with _at("[published]"):
@@ -219,8 +248,20 @@ def _robot(table: dict[str, Any]) -> Robot:
     if "load" in table:
         with _at("[robot.load]"):
             options["load"] = Load(**_check(table["load"], _LOAD, _LOAD_OPTIONS))
+    if options.get("controller") == "none":
+        options["controller"] = None
+    for name in TABLES:
+        if name in table:
+            options[name] = _by_axis(table[name])
     with _at("[robot]"):
         return Robot(**options)
+
+
+def _by_axis(table: Any) -> Any:
+    """Make numbers of the keys that name axes: in TOML they are texts."""
+    if not isinstance(table, dict):
+        return table
+    return {int(key) if key.isdecimal() else key: _by_axis(value) for key, value in table.items()}
 
 
 def _motion(table: dict[str, Any]) -> Motion:

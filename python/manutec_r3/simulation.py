@@ -273,7 +273,8 @@ class Simulator(Signals):
     @property
     def branches(self) -> dict[str, np.ndarray]:
         """Branches (n_axes,) of each element, such as ``friction``: -1, 0, +1."""
-        return self._compiled.branches
+        branches = self._compiled.branches
+        return {name: branches[name] for name in self.robot._compiled.elements}
 
     @property
     def statistics(self) -> dict[str, int]:
@@ -429,7 +430,7 @@ class Simulator(Signals):
         try:
             core.advance(target, stop_at_event, include_end, progress)
         except _core.SimulationFailure as failure:
-            raise SimulationError(core.time, core.state, core.branches, str(failure)) from None
+            raise SimulationError(core.time, core.state, self.branches, str(failure)) from None
         finally:
             self._untold += [Event(*event) for event in core.events(met)]
 

@@ -44,7 +44,7 @@ def replaced(tables: dict[str, Any], changes: Mapping[str, Any]) -> dict[str, An
             old = tables[name][symbol]
             if symbol in _BODIES:
                 new = _entry(where, old, value)
-            elif isinstance(old, tuple):
+            elif isinstance(old, list | tuple):
                 new = _row(where, old, value)
             else:
                 new = number(where, value, "SI")
@@ -52,7 +52,7 @@ def replaced(tables: dict[str, Any], changes: Mapping[str, Any]) -> dict[str, An
     return result
 
 
-def _row(where: str, old: tuple, new: Any) -> tuple:
+def _row(where: str, old: Sequence, new: Any) -> Sequence:
     """One entry per axis."""
     n = len(old)
     if isinstance(new, Mapping):
@@ -63,18 +63,18 @@ def _row(where: str, old: tuple, new: Any) -> tuple:
             if not 1 <= axis <= n:
                 raise ValueError(f"{where}: expected an axis from 1 to {n}, got {axis}")
             row[axis - 1] = _entry(f"{where} of axis {axis}", old[axis - 1], entry)
-        return tuple(row)
+        return row
     if isinstance(old[0], float) and np.ndim(new) == 0 and not isinstance(new, str):
-        new = (new,) * n
+        new = [new] * n
     if isinstance(new, str) or not isinstance(new, Sequence | np.ndarray) or len(new) != n:
         raise ValueError(
             f"{where}: expected {n} entries, one per axis, or a mapping of axes to entries, "
             f"got {new!r}"
         )
-    return tuple(
+    return [
         _entry(f"{where} of axis {axis}", entry, given)
         for axis, (entry, given) in enumerate(zip(old, new, strict=True), start=1)
-    )
+    ]
 
 
 def _entry(where: str, old: Any, new: Any) -> Any:
@@ -91,7 +91,7 @@ def _entry(where: str, old: Any, new: Any) -> Any:
         if new != old:
             raise ValueError(f"{where}: expected {old!r}, which cannot be replaced, got {new!r}")
         return old
-    if not isinstance(old, tuple):
+    if not isinstance(old, list | tuple):
         # A joint limit may be infinite, which means none.
         return np.inf if "joint_limits" in where and new == np.inf else number(where, new, "SI")
     if isinstance(old[0], tuple):
@@ -101,11 +101,11 @@ def _entry(where: str, old: Any, new: Any) -> Any:
                 f"{where}: expected points (rotor rate [rad/s], torque [N m]), "
                 f"got shape {points.shape}"
             )
-        return tuple(tuple(point) for point in points.tolist())
+        return points.tolist()
     coordinates = floats(where, new, "m")
     if coordinates.shape != (3,):
         raise ValueError(f"{where}: expected three coordinates [m], got shape {coordinates.shape}")
-    return tuple(coordinates.tolist())
+    return coordinates.tolist()
 
 
 def _check_known(where: str, symbol: object, known: Mapping[str, Any]) -> None:

@@ -66,15 +66,20 @@ long allocations_of(Function&& function) {
   return allocations - before;
 }
 
-std::unique_ptr<robot::RobotSystem> system_of(int model, robot::Controller controller) {
+std::unique_ptr<robot::RobotSystem> system_of(int model, robot::Controller controller,
+                                              bool carried = false) {
   const std::vector<double> end = {1.0, 1.0, 0.6, -0.2, -0.15, -0.1};
   const std::size_t n = model == 1 || model == 3 ? 6 : 3;
   const std::vector<double> start(n, 0.0);
-  const auto robot =
-      std::make_shared<const robot::Robot>(model, arm::Load{.mass = 15.0}, controller);
+  const auto named = static_cast<robot::Model>(model);
+  robot::Options options = robot::default_options(named);
+  options.controller = controller;
+  if (carried) options.coupling.fill(robot::Coupling::full);
+  const auto robot = std::make_shared<const robot::Robot>(named, arm::Load{.mass = 15.0}, options,
+                                                          robot::default_tables(named));
   const auto motion =
       std::make_shared<const motion::Motion>(motion::quintic(start, std::span(end).first(n), 1.2));
-  return robot::make_system(robot, motion);
+  return robot::make_system(robot, {.motion = motion});
 }
 
 TEST(AllocationsAreCounted) {
@@ -86,8 +91,9 @@ TEST(AllocationsAreCounted) {
 
 TEST(EquationsAndIndicatorsAllocateNothing) {
   for (int model = 1; model <= 4; ++model) {
-    for (const auto controller : {robot::Controller::continuous, robot::Controller::none}) {
-      const auto system = system_of(model, controller);
+    for (const auto controller :
+         {robot::Controller::continuous, robot::Controller::sampled, robot::Controller::none}) {
+      const auto system = system_of(model, controller, controller == robot::Controller::sampled);
       const int N = system->n_axes();
       std::vector<double> x(system->n_states()), dx(x.size()), z(system->n_indicators());
       // Somewhere, moving.

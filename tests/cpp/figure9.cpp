@@ -20,9 +20,9 @@ int main() {
   const std::array<double, 6> end = {1.0, 1.0, 0.6, -0.2, -0.15, -0.1};  // [rad]
   const auto motion = std::make_shared<const motion::Motion>(motion::quintic(start, end, 1.2));
   const auto robot = std::make_shared<const robot::Robot>(
-      3, arm::Load{.mass = 15.0, .position = {0.0, 0.0, 0.25}}, robot::Controller::continuous);
+      robot::Model::dlr_3, arm::Load{.mass = 15.0, .position = {0.0, 0.0, 0.25}});
 
-  const auto system = robot::make_system(robot, motion);
+  const auto system = robot::make_system(robot, {.motion = motion});
   const auto integrator = solver::make_integrator(solver::Method::erk, *system,
                                                   solver::default_tolerance(solver::Method::erk));
   hybrid::Simulation simulation(*system, *integrator, 0.0,
