@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from independent import BACKLASH, DAMPING, STIFFNESS, IndependentRobot
+from independent import IndependentRobot
 from oracle_runs import ECCENTRIC, RUNS
 
 import manutec_r3 as r3
@@ -23,8 +23,9 @@ class Balance:
 
     Attributes
     ----------
-    motors, friction, damping : ndarray (n,)
-        Work of the motors; what friction and the dampers of the gears took.
+    motors, pushes, friction, damping : ndarray (n,)
+        Work of the motors and of the force on the tip; what friction and the dampers of the gears
+        took.
     energy : ndarray (n,)
         Kinetic, gravitational and elastic energy.
     turned_over : float
@@ -32,6 +33,7 @@ class Balance:
     """
 
     motors: np.ndarray
+    pushes: np.ndarray
     friction: np.ndarray
     damping: np.ndarray
     energy: np.ndarray
@@ -40,11 +42,14 @@ class Balance:
     @property
     def gap(self):
         """Largest energy that is missing or too much [J]."""
-        return np.abs(self.motors - self.friction - self.damping - self.energy).max()
+        return np.abs(self.motors + self.pushes - self.friction - self.damping - self.energy).max()
 
 
-def balance(result, robot):
-    """Balance of a run of the package, with the energies of an independent robot."""
+def balance(result, robot, tip_force=None):
+    """Balance of a run of the package, with the energies of an independent robot.
+
+    `tip_force` is the force on the tip at a time [N].
+    """
     steps = np.unique(result.time)
     # Five points integrate polynomials of degree 9: eight change nothing here.
     points, weights = np.polynomial.legendre.leggauss(5)
@@ -53,20 +58,29 @@ def balance(result, robot):
     now = result.at(inside.ravel())
 
     def integral(power):
-        in_steps = (power.sum(axis=1).reshape(inside.shape) * weights * half).sum(axis=1)
+        in_steps = (power.reshape(inside.shape) * weights * half).sum(axis=1)
         return np.concatenate(([0.0], np.cumsum(in_steps)))
 
     some = np.linspace(0, len(steps) - 1, 60).astype(int)
     e = robot.n_elastic
-    deflection_rate = (now.rotor_rate - robot.ratio * now.joint_rate)[:, :e]
+    damping_power = robot.damping_power(
+        now.joint_angle, now.joint_rate, now.rotor_angle[:, :e], now.rotor_rate[:, :e]
+    )
+    push_power = np.zeros(inside.size)
+    if tip_force is not None:
+        push_power = [
+            tip_force(t) @ robot.load_jacobian(q) @ qd
+            for t, q, qd in zip(inside.ravel(), now.joint_angle, now.joint_rate, strict=True)
+        ]
     motor_power = now.motor_torque * now.rotor_rate
     energy = energies(result.at(steps[some]), robot)
     return Balance(
-        motors=integral(motor_power)[some],
-        friction=integral(now.friction_torque * now.rotor_rate)[some],
-        damping=integral(DAMPING[:e] * deflection_rate**2)[some],
+        motors=integral(motor_power.sum(axis=1))[some],
+        pushes=integral(np.array(push_power))[some],
+        friction=integral((now.friction_torque * now.rotor_rate).sum(axis=1))[some],
+        damping=integral(damping_power)[some],
         energy=energy - energy[0],
-        turned_over=integral(np.abs(motor_power))[-1],
+        turned_over=integral(np.abs(motor_power).sum(axis=1))[-1],
     )
 
 
@@ -81,9 +95,8 @@ def energies(samples, robot):
         samples.rotor_rate,
         strict=True,
     ):
-        stretch = np.maximum(np.abs(rq - robot.ratio * q)[:e] - BACKLASH[:e], 0.0)
-        elastic = STIFFNESS[:e] @ stretch**2 / 2.0
         moving = robot.kinetic_energy(q, qd, rqd[:e])
+        elastic = robot.elastic_energy(q, rq[:e])
         values.append(moving + robot.potential_energy(q) + elastic)
     return np.array(values)
 
@@ -98,7 +111,7 @@ def energies(samples, robot):
 @pytest.mark.parametrize("name", MOVING)
 def test_power_balance_closes(name, options, share):
     run = RUNS[name]
-    books = balance(run.simulate(**options), run.independent_robot)
+    books = balance(run.simulate(**options), run.independent_robot, run.inputs.get("tip_force"))
     assert books.gap <= share * books.turned_over
 
 
