@@ -650,7 +650,8 @@ class Hybrid:
 
     def __init__(self, robot, motion=None, motor_torque=None, command=None, tip_force=None):
         self.robot, self.motion = robot, motion
-        self.n, self.e, self.p = n, e, _ = robot.n_axes, robot.n_elastic, robot.ratio
+        self.n, self.e, self.p = robot.n_axes, robot.n_elastic, robot.ratio
+        n, e = self.n, self.e
         self.motor_torque_input = as_input(motor_torque, n)
         self.command_input = as_input(command, n)
         self.tip_force = None if tip_force is None else as_input(tip_force, 3)
@@ -783,6 +784,15 @@ class Hybrid:
         c = self.robot.electrical
         return z["controller"] + c.K_S * c.T_0 * self._rate_error(t, z) - z["voltage"]
 
+    def _held_at_limit(self, t, z):
+        """Positive where `U` at its limit stays there: `w + K_S T_0 e - U` or `e` points outward.
+
+        Were it the former alone, `U` would chatter where it is zero: the integral moves on when `U`
+        is released, and while `e` points outward it drives `U` back at once.
+        """
+        side, error = np.sign(z["voltage"]), self._rate_error(t, z)
+        return np.maximum(side * self._voltage_drive(t, z), side * error)
+
     def derivatives(self, t, x):
         """Right-hand side, smooth while branches and segments of the sources are frozen."""
         self.evaluations += 1
@@ -833,27 +843,27 @@ class Hybrid:
         z, robot = self.split(points), self.robot
         columns, labels = [], []
 
-        def watch(column, *label):
+        def add(column, *label):
             columns.append(column)
             labels.append(label)
 
-        def edges(element, values, halves, leave=None):
-            """Out of the middle at its edges, and back into it (or by an indicator `leave`)."""
+        def edges(element, values, halves, held=None):
+            """Out of the middle at its edges, and back into it (or by an indicator `held`)."""
             for i, half in enumerate(halves):
                 s, value = getattr(self, element)[i], values[:, i]
                 if s == 0:
-                    watch(half - value, element, i, 1)
-                    watch(half + value, element, i, -1)
+                    add(half - value, element, i, 1)
+                    add(half + value, element, i, -1)
                 else:
-                    watch(s * value - half if leave is None else s * leave[:, i], element, i, 0)
+                    add(s * value - half if held is None else held[:, i], element, i, 0)
 
         if robot.controller is not None:
             edges("dead_zone", z["voltage"], robot.dead_zone)
             edges("torque_limit", z["pt2_torque"], robot.torque_limit)
             if robot.voltage_limit is not None:
-                drive = self._at_all(self._voltage_drive, times, points)
+                held = self._at_all(self._held_at_limit, times, points)
                 limits = np.full(self.n, robot.voltage_limit)
-                edges("voltage_limit", z["voltage"], limits, drive)
+                edges("voltage_limit", z["voltage"], limits, held)
         armed = self.armed.copy()
         if not robot.real_gears:
             return np.array(columns).reshape(-1, len(points)).T, labels, armed
@@ -868,17 +878,17 @@ class Hybrid:
         rate = self._rotor(z)[1]
         for i, s in enumerate(self.friction):
             if s == 0:
-                watch(robot.sticking_limit[i] - np.abs(friction[:, i]), "limit", i, None)
+                add(robot.sticking_limit[i] - np.abs(friction[:, i]), "limit", i, None)
                 continue
             speed = s * rate[:, i]
-            watch(speed, "rate", i, None)
+            add(speed, "rate", i, None)
             if np.isfinite(self.upper[i]):
-                watch(self.upper[i] - speed, "kink", i, self.piece[i] + 1)
+                add(self.upper[i] - speed, "kink", i, self.piece[i] + 1)
             if np.isfinite(self.lower[i]):
-                watch(speed - self.lower[i], "kink", i, self.piece[i] - 1)
+                add(speed - self.lower[i], "kink", i, self.piece[i] - 1)
             if i < self.e and robot.creep_rate > 0.0:
                 ready = np.logical_or.accumulate(speed > 10.0 * robot.creep_rate) | armed[i]
-                watch(np.where(ready, speed - robot.creep_rate, 1.0), "creep", i, None)
+                add(np.where(ready, speed - robot.creep_rate, 1.0), "creep", i, None)
                 armed[i] = ready[-1]
         return np.array(columns).T, labels, armed
 
@@ -922,12 +932,11 @@ class Hybrid:
             self._decide_friction(0.0, z, range(self.n), (), np.zeros(self.n, bool))
 
     def _decide_voltage_limits(self, t, z, concerned, released):
-        """At the limit `U` stays where its own equation would drive it on."""
-        drive, limit = self._voltage_drive(t, z), self.robot.voltage_limit
+        """Which voltages at their limit stay there."""
+        held, voltage = self._held_at_limit(t, z), z["voltage"]
         for i in concerned:
-            side = int(np.sign(z["voltage"][i]))
-            stays = abs(z["voltage"][i]) == limit and side * drive[i] > 0.0
-            self.voltage_limit[i] = side if stays and i not in released else 0
+            stays = abs(voltage[i]) == self.robot.voltage_limit and held[i] > 0.0
+            self.voltage_limit[i] = np.sign(voltage[i]) if stays and i not in released else 0
 
     def _decide_friction(self, t, z, concerned, released, stuck):
         """Axes at zero rate stick or slide: each group of coupled axes that is concerned."""
