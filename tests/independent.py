@@ -784,15 +784,6 @@ class Hybrid:
         c = self.robot.electrical
         return z["controller"] + c.K_S * c.T_0 * self._rate_error(t, z) - z["voltage"]
 
-    def _held_at_limit(self, t, z):
-        """Positive where `U` at its limit stays there: `w + K_S T_0 e - U` or `e` points outward.
-
-        Were it the former alone, `U` would chatter where it is zero: the integral moves on when `U`
-        is released, and while `e` points outward it drives `U` back at once.
-        """
-        side, error = np.sign(z["voltage"]), self._rate_error(t, z)
-        return np.maximum(side * self._voltage_drive(t, z), side * error)
-
     def derivatives(self, t, x):
         """Right-hand side, smooth while branches and segments of the sources are frozen."""
         self.evaluations += 1
@@ -814,10 +805,13 @@ class Hybrid:
         d["tachogenerator_2"][:] = x3
         d["tachogenerator_3"][:] = c.w_p**2 * (x1 - u_t) - 2.0 * c.D_p * c.w_p * x3
         d["filter"][:] = (u_t - z["filter"]) / c.T_b
-        # rate controller: w' = K_S e;  U = (w + K_S T_0 e) / (s T_e + 1); both rest at a limit
-        moves = self.voltage_limit == 0
-        d["controller"][:] = moves * c.K_S * self._rate_error(t, z)
-        d["voltage"][:] = moves * self._voltage_drive(t, z) / c.T_e
+        # rate controller: w' = K_S e;  U = (w + K_S T_0 e) / (s T_e + 1). At its limit U rests and
+        # w tends to it: where U is let go (w + K_S T_0 e = U) w' is the same on both sides. If w
+        # rested too, it might drive U back at once, and U would chatter.
+        free = self.voltage_limit == 0
+        tracking = (z["voltage"] - z["controller"]) / c.T_0
+        d["controller"][:] = np.where(free, c.K_S * self._rate_error(t, z), tracking)
+        d["voltage"][:] = free * self._voltage_drive(t, z) / c.T_e
         # NL1, motor
         v = np.where(self.dead_zone == 0, 0.0, z["voltage"] - self.dead_zone * c.a)
         m, m_rate = z["pt2_torque"], z["pt2_torque_rate"]
@@ -847,23 +841,23 @@ class Hybrid:
             columns.append(column)
             labels.append(label)
 
-        def edges(element, values, halves, held=None):
-            """Out of the middle at its edges, and back into it (or by an indicator `held`)."""
+        def edges(element, values, halves, leave=None):
+            """Out of the middle at its edges, and back into it (or as `leave` says)."""
             for i, half in enumerate(halves):
                 s, value = getattr(self, element)[i], values[:, i]
                 if s == 0:
                     add(half - value, element, i, 1)
                     add(half + value, element, i, -1)
                 else:
-                    add(s * value - half if held is None else held[:, i], element, i, 0)
+                    add(s * value - half if leave is None else s * leave[:, i], element, i, 0)
 
         if robot.controller is not None:
             edges("dead_zone", z["voltage"], robot.dead_zone)
             edges("torque_limit", z["pt2_torque"], robot.torque_limit)
             if robot.voltage_limit is not None:
-                held = self._at_all(self._held_at_limit, times, points)
+                drive = self._at_all(self._voltage_drive, times, points)
                 limits = np.full(self.n, robot.voltage_limit)
-                edges("voltage_limit", z["voltage"], limits, held)
+                edges("voltage_limit", z["voltage"], limits, drive)
         armed = self.armed.copy()
         if not robot.real_gears:
             return np.array(columns).reshape(-1, len(points)).T, labels, armed
@@ -932,11 +926,12 @@ class Hybrid:
             self._decide_friction(0.0, z, range(self.n), (), np.zeros(self.n, bool))
 
     def _decide_voltage_limits(self, t, z, concerned, released):
-        """Which voltages at their limit stay there."""
-        held, voltage = self._held_at_limit(t, z), z["voltage"]
+        """At the limit `U` stays where its own equation would drive it on."""
+        drive, limit = self._voltage_drive(t, z), self.robot.voltage_limit
         for i in concerned:
-            stays = abs(voltage[i]) == self.robot.voltage_limit and held[i] > 0.0
-            self.voltage_limit[i] = np.sign(voltage[i]) if stays and i not in released else 0
+            side = int(np.sign(z["voltage"][i]))
+            stays = abs(z["voltage"][i]) == limit and side * drive[i] > 0.0
+            self.voltage_limit[i] = side if stays and i not in released else 0
 
     def _decide_friction(self, t, z, concerned, released, stuck):
         """Axes at zero rate stick or slide: each group of coupled axes that is concerned."""

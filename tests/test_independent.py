@@ -289,11 +289,22 @@ def test_the_voltage_rests_at_its_limit_until_its_own_equation_lets_it_go():
     assert events[1][0] == 1e-3
 
     limited = (times > events[0][0]) & (times < 1e-3)
-    controller = run.state[:, robot.slices["controller"]][:, 0]
     assert limited.sum() > 5
     np.testing.assert_array_equal(run.voltage[limited, 0], limit)
-    np.testing.assert_array_equal(controller[limited], controller[limited][0])
     assert np.abs(run.voltage).max() == limit
+    # Meanwhile the integral tends to the limit with T_0.
+    away = limit - run.state[:, robot.slices["controller"]][limited, 0]
+    expected = away[0] * np.exp(-(times[limited] - times[limited][0]) / 9.95e-3)
+    assert away == pytest.approx(expected, rel=1e-10)
+
+
+def test_a_voltage_at_its_limit_does_not_chatter():
+    # An outstretched arm with its load is slow: a resting integral would let U go after a
+    # millisecond at its limit, and drive it back at once.
+    robot = IndependentRobot(2, 15.0, controller="external", voltage_limit=4.0)
+    pose, command = Hold([0.0, 1.5, 0.0]), np.array([0.8, 0.0, 0.0])
+    run = simulate(robot, pose, 0.012, times=[0.012], command=command)
+    assert [event[3:] for event in run.events if event[2] == "voltage_limit"] == [(0, 1)]
 
 
 # --- the sampled controller -----------------------------------------------------------------------
