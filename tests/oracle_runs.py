@@ -368,6 +368,18 @@ RUNS = {
             "table_3": {"rn": ("z", "x", "z", "z", "x", "z")},
         },
     ),
+    # Rotors stick until the teeth of their moving arms land, and dampers begin to take torque.
+    "4-contact-landing": OracleRun(
+        model=4,
+        motion=None,
+        t_end=0.1,
+        start={
+            "joint_angle": (0.0, 0.0, 0.0),
+            "joint_rate": (-1.0, 0.3, 0.2),
+            "rotor_rate": (0.0, 0.0, 0.0),
+        },
+        options={"gear_damping": "contact", "controller": None},
+    ),
     "2-six-arm": OracleRun(
         model=2,
         motion=("Quintic", (0.5, -0.4, 0.25), (0.0, -0.1, 0.8), 0.25),
