@@ -343,7 +343,7 @@ class IndependentRobot:
         self._take_bodies(table_3, arm, load_mass, np.asarray(load_position, float))
         if rotor_coupling is None:
             rotor_coupling = ["simplified"] * e + ["full"] * (n - e)
-        self._take_rotors(table_3, np.broadcast_to(rotor_coupling, 6 if n == 6 else n))
+        self._take_rotors(table_3, np.broadcast_to(rotor_coupling, n))
 
         self.slices, at = {}, 0
         for name in STATE_GROUPS:
