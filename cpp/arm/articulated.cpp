@@ -45,7 +45,7 @@ Vector<N> articulated_forward_dynamics(const Mechanism<N>& mechanism, const Vect
   Vector<3> w = Vector<3>::Zero();
   for (int j = 0; j < N; ++j) {
     const Vector<3> an = unit(joint_axes[j]);
-    const Vector<3> rn = unit(rotor_axes[j]);
+    const Vector<3> rn = as_vector(mechanism.rotor_axis(j));
     const Vector<3> r = as_vector(mechanism.offset(j));
     const Matrix<3> R = rotation(joint_axes[j], q[j]);
     const Vector<3> gyroscopic = mechanism.rotor(j).p_rJ * qd[j] * w.cross(rn);
@@ -68,7 +68,7 @@ Vector<N> articulated_forward_dynamics(const Mechanism<N>& mechanism, const Vect
     const int S = component(joint_axes[j]);
     const Vector<6> p = pA[j] + IA[j] * c[j];
     U[j] = X[j].transpose() * IA[j].col(S);
-    U[j][component(rotor_axes[j])] += rotor.p_rJ;
+    U[j].template head<3>() += rotor.p_rJ * as_vector(mechanism.rotor_axis(j));
     D[j] = IA[j](S, S) + rotor.p2_rJ;
     u[j] = tau[j] - p[S];
     if (j == 0) break;

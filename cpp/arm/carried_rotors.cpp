@@ -6,13 +6,14 @@
 namespace manutec_r3::arm {
 
 template <int N>
-CarriedRotors<N> carried_rotors(const Vector<N>& q, const Vector<N>& qd) {
+CarriedRotors<N> carried_rotors(const Mechanism<N>& mechanism, const Vector<N>& q,
+                                const Vector<N>& qd) {
   CarriedRotors<N> rotors = {Matrix<N>::Zero(), Matrix<N>::Zero(), Vector<N>::Zero()};
   Vector<3> w = Vector<3>::Zero();
   Vector<3> wd = Vector<3>::Zero();
   Eigen::Matrix<double, 3, N> an;  // axes of the joints i < j
   for (int j = 0; j < N; ++j) {
-    const Vector<3> rn = unit(rotor_axes[j]);
+    const Vector<3> rn = as_vector(mechanism.rotor_axis(j));
     for (int i = 0; i < j; ++i) {
       rotors.projection(i, j) = an.col(i).dot(rn);
       rotors.swing(i, j) = an.col(i).dot(w.cross(rn));
@@ -30,8 +31,8 @@ CarriedRotors<N> carried_rotors(const Vector<N>& q, const Vector<N>& qd) {
   return rotors;
 }
 
-template CarriedRotors<1> carried_rotors(const Vector<1>&, const Vector<1>&);
-template CarriedRotors<3> carried_rotors(const Vector<3>&, const Vector<3>&);
-template CarriedRotors<6> carried_rotors(const Vector<6>&, const Vector<6>&);
+template CarriedRotors<1> carried_rotors(const Mechanism<1>&, const Vector<1>&, const Vector<1>&);
+template CarriedRotors<3> carried_rotors(const Mechanism<3>&, const Vector<3>&, const Vector<3>&);
+template CarriedRotors<6> carried_rotors(const Mechanism<6>&, const Vector<6>&, const Vector<6>&);
 
 }  // namespace manutec_r3::arm

@@ -8,6 +8,7 @@
 // with w'_{j-1} at aq'' = 0.
 #pragma once
 
+#include "arm/mechanism.hpp"
 #include "arm/vector.hpp"
 
 namespace manutec_r3::arm {
@@ -21,10 +22,14 @@ struct CarriedRotors {
 
 // Angles and rates of the joints [rad, rad/s].
 template <int N>
-CarriedRotors<N> carried_rotors(const Vector<N>& q, const Vector<N>& qd);
+CarriedRotors<N> carried_rotors(const Mechanism<N>& mechanism, const Vector<N>& q,
+                                const Vector<N>& qd);
 
-extern template CarriedRotors<1> carried_rotors(const Vector<1>&, const Vector<1>&);
-extern template CarriedRotors<3> carried_rotors(const Vector<3>&, const Vector<3>&);
-extern template CarriedRotors<6> carried_rotors(const Vector<6>&, const Vector<6>&);
+extern template CarriedRotors<1> carried_rotors(const Mechanism<1>&, const Vector<1>&,
+                                                const Vector<1>&);
+extern template CarriedRotors<3> carried_rotors(const Mechanism<3>&, const Vector<3>&,
+                                                const Vector<3>&);
+extern template CarriedRotors<6> carried_rotors(const Mechanism<6>&, const Vector<6>&,
+                                                const Vector<6>&);
 
 }  // namespace manutec_r3::arm

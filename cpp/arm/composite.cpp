@@ -46,7 +46,7 @@ struct Composite {
   Wrench bias;
 };
 
-template <int N, Offsets offsets>
+template <int N, Layout layout>
 struct Recursion {
   const Mechanism<N>& mechanism;
   const std::array<Turn, N>& turns;
@@ -70,14 +70,13 @@ struct Recursion {
     if constexpr (constexpr int next = j + 1; next < N) {
       const Composite outer = arm_and_beyond<next>(motion_of<next>(motion, K));
       const Triple& offset = mechanism.offset(next);
-      composite.moments += seen_from_inner_arm<next, offsets>(turns[next], offset, outer.moments);
-      composite.bias += seen_from_inner_arm<next, offsets>(turns[next], offset, outer.bias);
+      composite.moments += seen_from_inner_arm<next, layout>(turns[next], offset, outer.moments);
+      composite.bias += seen_from_inner_arm<next, layout>(turns[next], offset, outer.bias);
 
       // The rotor of the next joint spins in this arm with p qd.
-      constexpr Axis rn = rotor_axes[next];
       const double p_rJ = mechanism.rotor(next).p_rJ;
-      composite.bias.torque += p_rJ * qd[next] * cross_unit<rn>(motion.w);
-      equations.bias[next] += p_rJ * along<rn>(motion.wd);
+      composite.bias.torque += p_rJ * qd[next] * cross_rotor_axis<next>(motion.w);
+      equations.bias[next] += p_rJ * along_rotor_axis<next>(motion.wd);
     }
 
     constexpr Axis an = joint_axes[j];
@@ -103,12 +102,38 @@ struct Recursion {
   template <int j>
   Triple lift(const Gradient& K) const {
     const Triple& r = mechanism.offset(j);
-    if constexpr (offsets == Offsets::anywhere) {
+    if constexpr (layout == Layout::anything) {
       return r.x * K.x + r.y * K.y + r.z * K.z;
-    } else if constexpr (is_displaced(j)) {
+    } else if constexpr (is_displaced_in_report(j)) {
       return r.z * K.z;
     } else {
       return {0, 0, 0};
+    }
+  }
+
+  // <rn_j, v>, v x rn_j, and v + value rn_j.
+  template <int j>
+  double along_rotor_axis(const Triple& v) const {
+    if constexpr (layout == Layout::report) {
+      return along<rotor_axes_of_report[j]>(v);
+    } else {
+      return dot(mechanism.rotor_axis(j), v);
+    }
+  }
+  template <int j>
+  Triple cross_rotor_axis(const Triple& v) const {
+    if constexpr (layout == Layout::report) {
+      return cross_unit<rotor_axes_of_report[j]>(v);
+    } else {
+      return cross(v, mechanism.rotor_axis(j));
+    }
+  }
+  template <int j>
+  void add_along_rotor_axis(double value, Triple& v) const {
+    if constexpr (layout == Layout::report) {
+      along<rotor_axes_of_report[j]>(v) += value;
+    } else {
+      v += value * mechanism.rotor_axis(j);
     }
   }
 
@@ -117,8 +142,8 @@ struct Recursion {
   void set_column(const Wrench& wrench) {
     equations.M(i, j) = equations.M(j, i) = along<joint_axes[i]>(wrench.torque);
     if constexpr (i > 0) {
-      Wrench inner = seen_from_inner_arm<i, offsets>(turns[i], mechanism.offset(i), wrench);
-      if constexpr (i == j) along<rotor_axes[j]>(inner.torque) += mechanism.rotor(j).p_rJ;
+      Wrench inner = seen_from_inner_arm<i, layout>(turns[i], mechanism.offset(i), wrench);
+      if constexpr (i == j) add_along_rotor_axis<j>(mechanism.rotor(j).p_rJ, inner.torque);
       set_column<i - 1, j>(inner);
     }
   }
@@ -133,10 +158,10 @@ EquationsOfMotion<N> equations_of_motion(const Mechanism<N>& mechanism, const Ve
   for (int j = 1; j < N; ++j) turns[j] = turn(q[j]);
 
   EquationsOfMotion<N> equations;
-  if (mechanism.is_upright()) {
-    Recursion<N, Offsets::upright>{mechanism, turns, qd, equations}.run();
+  if (mechanism.has_layout_of_report()) {
+    Recursion<N, Layout::report>{mechanism, turns, qd, equations}.run();
   } else {
-    Recursion<N, Offsets::anywhere>{mechanism, turns, qd, equations}.run();
+    Recursion<N, Layout::anything>{mechanism, turns, qd, equations}.run();
   }
   return equations;
 }

@@ -1,6 +1,8 @@
 // Bodies, load and rotors of the models' mechanisms (spec 3, spec 6, spec 7).
 #include "arm/mechanism.hpp"
 
+#include "arm/planar.hpp"
+
 namespace manutec_r3::arm {
 namespace {
 
@@ -31,11 +33,15 @@ template <int N>
 Mechanism<N>::Mechanism(const Table3& table, const std::array<Moments, N>& arms,
                         const std::array<double, 6>& gear_ratio,
                         const std::array<RotorCoupling, 6>& coupling)
-    : arms_(arms), is_upright_(true), gravity_(table.gravity) {
+    : arms_(arms), has_layout_of_report_(true), gravity_(table.gravity) {
   for (int j = 0; j < N; ++j) {
     const auto [x, y, z] = table.arms[j].offset;
     offsets_[j] = {x, y, z};
-    is_upright_ = is_upright_ && x == 0 && y == 0 && (z == 0 || j == 2 || j == 4);
+    const Axis rn = table.rotor_axes[j];
+    rotor_axes_[j] = {rn == Axis::x ? 1.0 : 0.0, rn == Axis::y ? 1.0 : 0.0,
+                      rn == Axis::z ? 1.0 : 0.0};
+    has_layout_of_report_ = has_layout_of_report_ && x == 0 && y == 0 &&
+                            (z == 0 || is_displaced_in_report(j)) && rn == rotor_axes_of_report[j];
     rotors_[j] = rotor_terms(j, table.rotor_inertia[j], gear_ratio[j], coupling[j]);
   }
 }

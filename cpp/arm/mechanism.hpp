@@ -5,7 +5,7 @@
 //   M(q) qdd + bias(q, qd) = tau
 //
 // The axes of the joints are the same in every variant of the robot and known at compile time;
-// masses, offsets of joints and rotors vary.
+// masses, offsets of joints and rotors vary. The report's layout is known at compile time, too.
 #pragma once
 
 #include <array>
@@ -41,16 +41,19 @@ class Mechanism {
   const Moments& arm(int j) const { return arms_[j]; }
   // Where joint j is in the frame of arm j-1 [m].
   const Triple& offset(int j) const { return offsets_[j]; }
-  // Whether only joints 3 and 5 are displaced, along z, as the report's are.
-  bool is_upright() const { return is_upright_; }
+  // Whether joints are displaced and rotors turn as in the report, see planar.hpp.
+  bool has_layout_of_report() const { return has_layout_of_report_; }
   double gravity() const { return gravity_; }
 
   const RotorTerms& rotor(int j) const { return rotors_[j]; }
+  // The axis about which rotor j turns, in the frame of arm j-1: a unit vector.
+  const Triple& rotor_axis(int j) const { return rotor_axes_[j]; }
 
  private:
   std::array<Moments, N> arms_;
   std::array<Triple, N> offsets_;
-  bool is_upright_;
+  std::array<Triple, N> rotor_axes_;
+  bool has_layout_of_report_;
   double gravity_;
   std::array<RotorTerms, N> rotors_;
 };

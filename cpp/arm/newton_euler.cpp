@@ -23,7 +23,7 @@ Vector<N> inverse_dynamics(const Mechanism<N>& mechanism, const Vector<N>& q, co
   for (int j = 0; j < N; ++j) {
     // The rotor, carried by arm j-1, spins at p qd; the arms contain it frozen.
     const RotorTerms& rotor = mechanism.rotor(j);
-    const Vector<3> rn = unit(rotor_axes[j]);
+    const Vector<3> rn = as_vector(mechanism.rotor_axis(j));
     tau[j] = rotor.p2_rJ * qdd[j] + rotor.p_rJ * rn.dot(wd);
     if (j > 0) torque[j - 1] += rotor.p_rJ * (qdd[j] * rn + qd[j] * w.cross(rn));
 

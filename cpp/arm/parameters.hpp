@@ -14,15 +14,15 @@ namespace manutec_r3::arm {
 
 inline constexpr int n_axes = 6;
 
-enum class Axis { x, z };
+enum class Axis { x, y, z };
 
-// Joint j turns arm j about this axis of the preceding arm, in every variant of the robot; rotor j
-// turns about that axis of the preceding arm. Of the rotors' axes the first has no effect, because
-// the base rests, the second is normal to z by S and along x by A, the third S, the others A.
+// Joint j turns arm j about this axis of the preceding arm, in every variant of the robot.
 inline constexpr std::array<Axis, n_axes> joint_axes = {Axis::z, Axis::x, Axis::x,
                                                         Axis::z, Axis::x, Axis::z};
-inline constexpr std::array<Axis, n_axes> rotor_axes = {Axis::z, Axis::x, Axis::x,
-                                                        Axis::z, Axis::x, Axis::z};
+// Rotor j turns about this axis of the preceding arm. The first one has no effect, because the base
+// rests; the second is normal to z by S and along x by A; the third S, the others A.
+inline constexpr std::array<Axis, n_axes> rotor_axes_of_report = {Axis::z, Axis::x, Axis::x,
+                                                                  Axis::z, Axis::x, Axis::z};
 
 // A rigid body in the frame of its arm. The inertia is about the centre of mass; every arm is
 // symmetrical to its x-z plane, therefore I12 = I23 = 0.
@@ -61,6 +61,7 @@ struct Table3 {
   Arm lumped_arm_3 = {{0, 0, 0.5}, {60.3, {0.028, 0, 0.202}, 5.41, 5.60, 0.39, 0.33}};
   // rJ [kg m^2]: 1 to 3 R and S, 4 to 6 M.
   std::array<double, n_axes> rotor_inertia = {1.3e-3, 1.3e-3, 1.3e-3, 1.6e-4, 1.8e-4, 4.3e-5};
+  std::array<Axis, n_axes> rotor_axes = rotor_axes_of_report;  // rn
   // Largest |aq| [rad]; the limits of axes 4 to 6 are lost.
   std::array<double, n_axes> joint_limits = {2.97, 2.01, 2.86, no_limit, no_limit, no_limit};
   double gravity = 9.81;  // along -z of the world [m/s^2]

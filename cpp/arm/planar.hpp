@@ -1,8 +1,8 @@
 // What the frames of neighbouring arms say to each other, at the price of plane rotations.
 //
 // Joint j turns arm j about the x or z axis of arm j-1 (spec 2, spec 3): a vector changes in two
-// components only. Which two is known at compile time, and so is where joints are displaced, if the
-// arms are the report's.
+// components only. Which two is known at compile time, and so is where joints are displaced, and
+// how rotors lie, if the layout is the report's.
 #pragma once
 
 #include <cmath>
@@ -22,14 +22,12 @@ struct Turn {
 
 inline Turn turn(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
-// Where joints may be displaced from the origin of the arm that carries them.
-enum class Offsets {
-  upright,   // joints 3 and 5 along z, as in the report
-  anywhere,  // each joint in every direction
+enum class Layout {
+  report,    // joints 3 and 5 are displaced, along z; rotors as in `rotor_axes_of_report`
+  anything,  // each joint in every direction, rotors along any axis
 };
 
-// Whether joint j of the report is displaced.
-constexpr bool is_displaced(int j) { return j == 2 || j == 4; }
+constexpr bool is_displaced_in_report(int j) { return j == 2 || j == 4; }
 
 // Torque about the origin of an arm's frame, and force.
 struct Wrench {
@@ -75,11 +73,11 @@ Triple rotated(const Turn& turn, Triple v) {
 
 // What is known about the origin of arm j becomes known about the origin of arm j-1, r below it:
 // r -> r' + r in h = integral r' dm and J = integral r' r'^T dm.
-template <int j, Offsets offsets>
+template <int j, Layout layout>
 void shift(const Triple& r, Moments& body) {
   auto& [m, h, J] = body;
-  if constexpr (offsets == Offsets::upright) {
-    if constexpr (is_displaced(j)) {
+  if constexpr (layout == Layout::report) {
+    if constexpr (is_displaced_in_report(j)) {
       J.xz += r.z * h.x;
       J.yz += r.z * h.y;
       J.zz += r.z * (2 * h.z + r.z * m);
@@ -97,10 +95,10 @@ void shift(const Triple& r, Moments& body) {
   }
 }
 
-template <int j, Offsets offsets>
+template <int j, Layout layout>
 void shift(const Triple& r, Wrench& wrench) {
-  if constexpr (offsets == Offsets::upright) {
-    if constexpr (is_displaced(j)) {
+  if constexpr (layout == Layout::report) {
+    if constexpr (is_displaced_in_report(j)) {
       wrench.torque.x -= r.z * wrench.force.y;
       wrench.torque.y += r.z * wrench.force.x;
     }
@@ -109,7 +107,7 @@ void shift(const Triple& r, Wrench& wrench) {
   }
 }
 
-template <int j, Offsets offsets>
+template <int j, Layout layout>
 Moments seen_from_inner_arm(const Turn& turn, const Triple& offset, const Moments& outer) {
   Moments inner = outer;
   inner.h = rotated<j>(turn, outer.h);
@@ -121,14 +119,14 @@ Moments seen_from_inner_arm(const Turn& turn, const Triple& offset, const Moment
     rotate(turn, J.xz, J.yz);
     rotate(turn, J.xx, J.yy, J.xy);
   }
-  shift<j, offsets>(offset, inner);
+  shift<j, layout>(offset, inner);
   return inner;
 }
 
-template <int j, Offsets offsets>
+template <int j, Layout layout>
 Wrench seen_from_inner_arm(const Turn& turn, const Triple& offset, const Wrench& outer) {
   Wrench inner = {rotated<j>(turn, outer.torque), rotated<j>(turn, outer.force)};
-  shift<j, offsets>(offset, inner);
+  shift<j, layout>(offset, inner);
   return inner;
 }
 

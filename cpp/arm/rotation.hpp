@@ -9,11 +9,11 @@
 namespace manutec_r3::arm {
 
 // Where a vector of Eigen keeps its component along an axis: v[component(axis)].
-constexpr int component(Axis axis) { return axis == Axis::x ? 0 : 2; }
+constexpr int component(Axis axis) { return static_cast<int>(axis); }
 
 inline Vector<3> unit(Axis axis) { return Vector<3>::Unit(component(axis)); }
 
-// Of arm j in the frame of arm j-1; a positive angle turns by the right-hand rule.
+// Of arm j in the frame of arm j-1, about x or z; a positive angle turns by the right-hand rule.
 inline Matrix<3> rotation(Axis axis, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   Matrix<3> R;

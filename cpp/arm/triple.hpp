@@ -31,7 +31,9 @@ inline Triple cross(const Triple& a, const Triple& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-// Component along an axis; of a constant triple, too.
+inline double dot(const Triple& a, const Triple& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+// Component along x or z; of a constant triple, too.
 template <Axis axis, class AnyTriple>
 auto& along(AnyTriple& a) {
   if constexpr (axis == Axis::x) {
@@ -41,7 +43,7 @@ auto& along(AnyTriple& a) {
   }
 }
 
-// a x e, where e is the unit vector of an axis.
+// a x e, where e is the unit vector of x or z.
 template <Axis axis>
 Triple cross_unit(const Triple& a) {
   if constexpr (axis == Axis::x) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -19,7 +20,9 @@ namespace {
 using arm::Axis;
 using drive::FrictionPoints;
 
-const char* letter(Axis axis) { return axis == Axis::x ? "x" : "z"; }
+constexpr std::array<const char*, 3> letters = {"x", "y", "z"};
+
+const char* letter(Axis axis) { return letters[static_cast<std::size_t>(axis)]; }
 
 // --- to Python ----------------------------------------------------------------------------------
 
@@ -73,7 +76,7 @@ py::dict as_dict(const arm::Table3& table, int n_columns, bool has_lumped_arm) {
     py::dict arm = entry(table.arms[j]);
     arm["axis"] = letter(arm::joint_axes[j]);
     arms.append(arm);
-    axes.append(letter(arm::rotor_axes[j]));
+    axes.append(letter(table.rotor_axes[j]));
   }
   rows["arms"] = py::tuple(arms);
   if (has_lumped_arm) {
@@ -92,6 +95,15 @@ py::dict as_dict(const arm::Table3& table, int n_columns, bool has_lumped_arm) {
 // --- from Python --------------------------------------------------------------------------------
 
 void read(const py::handle& from, double& value) { value = from.cast<double>(); }
+
+void read(const py::handle& from, Axis& axis) {
+  const auto place = std::ranges::find(letters, from.cast<std::string>());
+  if (place == letters.end()) {
+    throw std::invalid_argument("table_3 rn: expected 'x', 'y' or 'z', got " +
+                                py::repr(from).cast<std::string>());
+  }
+  axis = static_cast<Axis>(place - letters.begin());
+}
 
 void read(const py::handle& from, FrictionPoints& points) {
   points.clear();
@@ -128,6 +140,7 @@ void read_table(const py::dict& rows, arm::Table3& table) {
   read(rows["arms"], table.arms);
   if (rows.contains("lumped_arm_3")) read(rows["lumped_arm_3"], table.lumped_arm_3);
   read(rows["rJ"], table.rotor_inertia);
+  read(rows["rn"], table.rotor_axes);
   read(rows["joint_limits"], table.joint_limits);
   table.gravity = rows["gravity"].cast<double>();
   table.shoulder_height = rows["shoulder_height"].cast<double>();

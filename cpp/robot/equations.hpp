@@ -166,7 +166,7 @@ class Equations {
     dynamics.M = eom.M;
     dynamics.bias = eom.bias;
     if (any_carried_) {
-      const arm::CarriedRotors<N> rotors = arm::carried_rotors<N>(angle, rate);
+      const arm::CarriedRotors<N> rotors = arm::carried_rotors<N>(mechanism_, angle, rate);
       for (int j = 0; j < E; ++j) {
         const double inertia = carried_[j] ? rJ[j] : 0.0;
         dynamics.arM.col(j) = inertia * rotors.projection.col(j);

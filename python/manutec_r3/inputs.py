@@ -142,17 +142,17 @@ def gather(
                 f"got controller={robot.controller!r}"
             )
     functions, held = [], []
-    for name, value in ((name, given.get(name)), ("tip_force", given.get("tip_force"))):
-        if callable(value):
-            value = Input(value)
+    for which in (name, "tip_force"):
+        value = given.get(which)
+        value = Input(value) if callable(value) else value
         is_function = isinstance(value, Input)
         functions.append(value if is_function else None)
         if value is None or is_function:
             held.append(None)
-        elif name == "tip_force":
+        elif which == "tip_force":
             held.append(force(value))
         else:
-            held.append(one_per_axis(name, value, unit, robot.n_axes))
+            held.append(one_per_axis(which, value, unit, robot.n_axes))
     return Inputs(robot, motion, *functions), Held(*held)
 
 

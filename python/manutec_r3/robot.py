@@ -71,10 +71,10 @@ class Load:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Robot:
-    """The robot: one of the four DLR models of the Manutec r3 (report section 4, Table 4), or one
-    of the two models of its descendant in the Modelica Standard Library, with options.
+    """One of the models of the Manutec r3, with its load and its options.
 
-    Immutable, picklable, comparable.
+    The models are the four of DLR (report section 4, Table 4) and the two of the robot's descendant
+    in the Modelica Standard Library. Immutable, picklable, comparable.
 
     Parameters
     ----------
@@ -107,8 +107,8 @@ class Robot:
         A rotor of axes 1 to 3 that slides more slowly than this counts as sticking if friction can
         hold it [rad/s]; 0 switches that off.
     voltage_limit : float, optional
-        Limit on the output of the rate controllers [V]: it stays there, and the controller's
-        integral rests, while it would go further. Default: none, as in the report.
+        Limit on the output of the rate controllers [V]: it stays there while it would go further,
+        and the integral of the controller follows it. Default: none, as in the report.
     table_1, table_2, table_3 : mapping, optional
         Numbers that take the place of those of Tables 1 to 3, by the names that `parameters` shows:
         ``table_1={"K_V": 0.35}`` for all axes, ``table_2={"b": {2: 0.05}}`` for axis 2,
