@@ -115,6 +115,7 @@ py::dict as_dict(const robot::Options& options, Model model) {
   dict["rotor_coupling"] = py::tuple(coupling);
   dict["gear_damping"] = name_of(options.gear_damping, gear_dampings);
   dict["stiction"] = name_of(options.stiction, stictions);
+  dict["stiffness"] = options.stiffness;
   dict["arm"] = name_of(options.arm, arms);
   dict["creep_rate"] = options.creep_rate;
   dict["voltage_limit"] = py::none();
@@ -136,6 +137,7 @@ robot::Options options_from(const py::dict& dict, Model model) {
     options.gear_damping = named("gear_damping", dict["gear_damping"], gear_dampings);
   }
   if (dict.contains("stiction")) options.stiction = named("stiction", dict["stiction"], stictions);
+  if (dict.contains("stiffness")) options.stiffness = dict["stiffness"].cast<double>();
   if (dict.contains("arm")) options.arm = named("arm", dict["arm"], arms);
   if (dict.contains("creep_rate")) options.creep_rate = dict["creep_rate"].cast<double>();
   if (dict.contains("voltage_limit")) options.voltage_limit = dict["voltage_limit"].cast<double>();

@@ -18,9 +18,6 @@
 
 namespace manutec_r3::robot {
 
-// Of the option's springs and dampers: N m/rad, N m s/rad (spec 11).
-inline constexpr double stiff = 1e7;
-
 // Rates of torques come from a difference over this time [s].
 inline constexpr double soon = 1e-7;
 
@@ -38,7 +35,11 @@ class FrictionDecision {
   };
 
   FrictionDecision(const Robot& robot, Equations<N, Axes>& equations, Mode<N>& mode)
-      : robot_(robot), equations_(equations), mode_(mode), stiction_(robot.options().stiction) {
+      : robot_(robot),
+        equations_(equations),
+        mode_(mode),
+        stiction_(robot.options().stiction),
+        k_(robot.options().stiffness) {
     const drive::Table2& table = robot.tables().table_2;
     for (int i = 0; i < N; ++i) {
       friction_[i] = {table.sticking_limit[i], table.sliding_friction[i]};
@@ -96,9 +97,9 @@ class FrictionDecision {
     const bool soft = sticks && !exact;
     equations_.sticking[axis] = sticks && exact;
     const bool spring = soft && stiction_ == Stiction::stiff_spring;
-    equations_.spring_stiffness[axis] = spring ? stiff : 0.0;
+    equations_.spring_stiffness[axis] = spring ? k_ : 0.0;
     equations_.spring_rest[axis] = spring ? mode_.spring_rest()[axis] : 0.0;
-    if (soft && !spring) equations_.friction.set(axis, stiff, 0.0);
+    if (soft && !spring) equations_.friction.set(axis, k_, 0.0);
   }
 
   void decide_one_by_one(double t, double* x, const Occasion& occasion,
@@ -202,10 +203,10 @@ class FrictionDecision {
       if (mode_.branch(friction, i) != 0 || !is_soft(i)) continue;
       double& joint_rate = x[equations_.index_of_rate(i)];
       if (stiction_ == Stiction::stiff_spring) {
-        mode_.spring_rest()[i] = equations_.rotor_angle(x)[i] - held[i] / stiff;
-        joint_rate = (held_later[i] - held[i]) / soon / (stiff * equations_.p[i]);
+        mode_.spring_rest()[i] = equations_.rotor_angle(x)[i] - held[i] / k_;
+        joint_rate = (held_later[i] - held[i]) / soon / (k_ * equations_.p[i]);
       } else {
-        joint_rate = held[i] / (stiff * equations_.p[i]);
+        joint_rate = held[i] / (k_ * equations_.p[i]);
       }
     }
   }
@@ -223,6 +224,7 @@ class FrictionDecision {
   Equations<N, Axes>& equations_;
   Mode<N>& mode_;
   Stiction stiction_;
+  double k_;  // of stiff springs and dampers
   std::array<drive::Friction, N> friction_;
   std::array<int, N> side_;
 };

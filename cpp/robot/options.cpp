@@ -26,6 +26,7 @@ Options default_options(Model model) {
       .coupling = {},
       .gear_damping = drive::GearDamping::parallel,
       .stiction = Stiction::exact,
+      .stiffness = 1e7,
       .arm = n_axes(model) == 3 ? ArmData::lumped : ArmData::six_arm,
       .creep_rate = 1e-9,
       .voltage_limit = std::numeric_limits<double>::infinity(),
@@ -58,6 +59,11 @@ void check(Model model, const Options& options) {
   }
   if (n_axes(model) != 3 && options.arm != usual.arm) {
     refuse("arm", "'six-arm'" + for_model);
+  }
+  if (!(std::isfinite(options.stiffness) && options.stiffness > 0.0)) {
+    std::ostringstream why;
+    why << "a positive k [N m/rad, N m s/rad], got " << options.stiffness;
+    refuse("stiffness", why.str());
   }
   if (!(std::isfinite(options.creep_rate) && options.creep_rate >= 0.0)) {
     std::ostringstream why;

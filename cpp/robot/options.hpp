@@ -53,8 +53,8 @@ enum class Coupling { full, simplified };
 // What holds a sticking axis 4 to 6 (spec 11).
 enum class Stiction {
   exact,         // a constraint torque: its rate is exactly zero
-  stiff_spring,  // rM = k (rq - rq_stick), k = 1e7 N m/rad
-  stiff_damper,  // rM = k rq', k = 1e7 N m s/rad
+  stiff_spring,  // rM = k (rq - rq_stick), k [N m/rad]
+  stiff_damper,  // rM = k rq', k [N m s/rad]
 };
 
 // Of models with three arms (spec 3).
@@ -68,6 +68,7 @@ struct Options {
   std::array<Coupling, 6> coupling;
   drive::GearDamping gear_damping;
   Stiction stiction;
+  double stiffness;  // k of stiff springs and dampers
   ArmData arm;
   double creep_rate;  // a rotor 1 to 3 that slides more slowly sticks if it can [rad/s]; 0: never
   double voltage_limit;  // of the rate controllers' output U [V]; infinite: none

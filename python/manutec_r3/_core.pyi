@@ -15,8 +15,21 @@ _Floats = NDArray[float64]
 signal_names: tuple[str, ...]
 axis_elements: tuple[str, ...]
 
-def parameters() -> dict[str, dict[str, Any]]: ...
-def check_load(mass: float, position: Sequence[float], bounds: bool) -> None: ...
+_Model = int | str
+_Tables = dict[str, dict[str, Any]]
+
+def default_tables(model: _Model) -> _Tables: ...
+def default_load(model: _Model) -> Load: ...
+def default_start(robot: Robot) -> str: ...
+
+class Load:
+    def __init__(self, mass: float, position: Sequence[float], bounds: bool) -> None: ...
+    @property
+    def mass(self) -> float: ...
+    @property
+    def position(self) -> list[float]: ...
+    @property
+    def bounds(self) -> bool: ...
 
 class SimulationFailure(RuntimeError): ...
 
@@ -57,15 +70,28 @@ def functions(
     acceleration: Callable[[float], Sequence[float]] | None,
 ) -> Motion: ...
 
-class Robot:
+class Input:
+    """Gives `size` numbers at a time."""
+
     def __init__(
-        self,
-        model: int,
-        mass: float,
-        position: Sequence[float],
-        bounds: bool,
-        controller: str | None,
+        self, size: int, function: Callable[[float], list[float]], knots: Sequence[float]
     ) -> None: ...
+
+class Inputs:
+    def __init__(
+        self, motion: Motion | None, of_axes: Input | None, tip_force: Input | None
+    ) -> None: ...
+
+class Robot:
+    def __init__(self, model: _Model, load: Load, options: dict[str, Any], tables: _Tables) -> None:
+        """Options that are missing are the model's own; no row of the tables may be missing."""
+
+    @property
+    def options(self) -> dict[str, Any]: ...
+    @property
+    def tables(self) -> _Tables: ...
+    @property
+    def elements(self) -> list[str]: ...
     @property
     def n_axes(self) -> int: ...
     @property
@@ -101,7 +127,7 @@ def articulated_forward_dynamics(
 ) -> _Floats: ...
 def inverse_dynamics(robot: Robot, q: _Floats, qd: _Floats, qdd: _Floats) -> _Floats: ...
 def mass_matrix(robot: Robot, q: _Floats) -> _Floats: ...
-def link_poses(q: _Floats) -> _Floats:
+def link_poses(robot: Robot, q: _Floats) -> _Floats:
     """Poses (n, 7, 4, 4) for angles (n, 6)."""
 
 class Snapshot: ...
@@ -121,11 +147,12 @@ class Simulator:
     def __init__(
         self,
         robot: Robot,
-        motion: Motion | None,
+        inputs: Inputs,
         start: _Floats,
         rtol: float,
         method: Method,
         record: bool,
+        list_samples: bool,
     ) -> None: ...
     def advance(
         self,
@@ -134,7 +161,15 @@ class Simulator:
         include_target: bool,
         progress: Callable[[float], None] | None,
     ) -> None: ...
-    def set_motor_torque(self, torque: _Floats) -> None: ...
+    def set_input(self, values: _Floats) -> None: ...
+    def set_tip_force(self, force: Sequence[float]) -> None: ...
+    def set_brakes(self, on: Sequence[bool]) -> None: ...
+    @property
+    def input(self) -> _Floats: ...
+    @property
+    def tip_force(self) -> _Floats: ...
+    @property
+    def brakes(self) -> list[bool]: ...
     @property
     def time(self) -> float: ...
     @property
@@ -157,7 +192,7 @@ class Simulator:
 
 def evaluate(
     robot: Robot,
-    motion: Motion | None,
+    inputs: Inputs,
     method: Method,
     trajectory: Trajectory,
     t: _Floats,

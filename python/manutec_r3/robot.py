@@ -19,6 +19,7 @@ _OPTIONS = (
     "rotor_coupling",
     "gear_damping",
     "stiction",
+    "stiffness",
     "arm",
     "creep_rate",
     "voltage_limit",
@@ -99,7 +100,9 @@ class Robot:
         The damper of an elastic gear acts also inside the backlash, or in contact only.
     stiction : {"exact", "stiff-spring", "stiff-damper"}
         What holds sticking axes 4 to 6: a constraint torque, or, as the report approximates it, a
-        spring of 1e7 N m/rad or a damper of 1e7 N m s/rad on the rotor (specification section 11).
+        stiff spring or damper on the rotor (specification section 11).
+    stiffness : float
+        Of these springs [N m/rad] or dampers [N m s/rad], motor side.
     arm : {"lumped", "six-arm"}
         Models 2 and 4: the rounded data of R3M2SI for arm 3 with the blocked wrist (default), or
         the data of the six arms.
@@ -127,6 +130,7 @@ class Robot:
     rotor_coupling: str | tuple[str, ...] | None = None
     gear_damping: Literal["parallel", "contact"] = "parallel"
     stiction: Literal["exact", "stiff-spring", "stiff-damper"] = "exact"
+    stiffness: float = 1e7
     arm: Literal["lumped", "six-arm"] | None = None
     creep_rate: float = 1e-9
     voltage_limit: float | None = None
@@ -143,7 +147,8 @@ class Robot:
             object.__setattr__(self, "load", load)
         if not isinstance(self.load, Load):
             raise TypeError(f"load: expected a Load, got {self.load!r}")
-        object.__setattr__(self, "creep_rate", number("creep_rate", self.creep_rate, "rad/s"))
+        for name, unit in (("stiffness", "N m/rad, N m s/rad"), ("creep_rate", "rad/s")):
+            object.__setattr__(self, name, number(name, getattr(self, name), unit))
         if self.voltage_limit is not None:
             limit = number("voltage_limit", self.voltage_limit, "V")
             object.__setattr__(self, "voltage_limit", limit)

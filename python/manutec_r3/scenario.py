@@ -206,6 +206,7 @@ _ROBOT_OPTIONS = {
     "gear_damping": _TEXT,
     "stiction": _TEXT,
     "arm": _TEXT,
+    "stiffness": _positive("stiffness [N m/rad, N m s/rad]"),
     "creep_rate": _Kind("a rate [rad/s]", _is_number),
     "voltage_limit": _positive("voltage [V]"),
     **dict.fromkeys(TABLES, _TABLE),
