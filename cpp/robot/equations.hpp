@@ -58,7 +58,8 @@ class Equations {
   Axes axes;                                         // with NL1, NL2 and the limit on U
   drive::ElasticGear<E> gear;                        // with NL4
   Line<N> friction;                                  // rM while sliding, or held by a stiff damper
-  PerAxis<N> spring_stiffness = PerAxis<N>::Zero();  // of stiff springs that hold sticking axes
+  bool springs_hold = false;                         // stiff springs, some of the sticking axes
+  PerAxis<N> spring_stiffness = PerAxis<N>::Zero();  // k, 0 where none holds
   PerAxis<N> spring_rest = PerAxis<N>::Zero();       // rq_stick
   std::array<bool, N> sticking{};                    // with a rate of exactly zero
   int motion_piece = -1;
@@ -136,7 +137,8 @@ class Equations {
   Torques torques(double t, const double* x) const {
     Torques torques;
     torques.motor = controlled_ ? axes.motor_torque(electrical(x)) : input(t);
-    torques.friction = friction(rotor_rate(x)) + spring_stiffness * (rotor_angle(x) - spring_rest);
+    torques.friction = friction(rotor_rate(x));
+    if (springs_hold) torques.friction += spring_stiffness * (rotor_angle(x) - spring_rest);
     torques.gear = torques.motor - torques.friction;
     if (elastic_) {
       torques.gear.template head<E>() = gear.torque(deflection(x), deflection_rate(x));

@@ -61,6 +61,7 @@ class FrictionDecision {
 
   // Sets what the equations read of friction, from the mode.
   void freeze() {
+    equations_.springs_hold = false;
     for (int i = 0; i < N; ++i) freeze(i, !is_soft(i));
   }
 
@@ -97,6 +98,7 @@ class FrictionDecision {
     const bool soft = sticks && !exact;
     equations_.sticking[axis] = sticks && exact;
     const bool spring = soft && stiction_ == Stiction::stiff_spring;
+    equations_.springs_hold |= spring;
     equations_.spring_stiffness[axis] = spring ? k_ : 0.0;
     equations_.spring_rest[axis] = spring ? mode_.spring_rest()[axis] : 0.0;
     if (soft && !spring) equations_.friction.set(axis, k_, 0.0);
@@ -193,6 +195,7 @@ class FrictionDecision {
   // does not ring.
   void capture(double t, double* x, const std::vector<int>& resting) {
     if (stiction_ == Stiction::exact) return;
+    equations_.springs_hold = false;
     for (int i = 0; i < N; ++i) freeze(i, true);
     const PerAxis<N> held = equations_.mechanics(t, x).torques.friction;
     std::vector<double> later(robot_.n_states());

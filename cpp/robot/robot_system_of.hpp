@@ -1,0 +1,525 @@
+// The hybrid system of a robot: equations, indicators and decisions in one object, for N moving
+// arms with the controllers and motors `Axes`.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "drive/axis.hpp"
+#include "drive/modelica_axis.hpp"
+#include "hybrid/crossing.hpp"
+#include "robot/equations.hpp"
+#include "robot/friction_decision.hpp"
+#include "robot/mode.hpp"
+#include "robot/robot_system.hpp"
+
+namespace manutec_r3::robot {
+
+// A rotor that creeps below the threshold counts as sticking; it is watched once its rate has
+// exceeded so many times the threshold, so never right after break-away (spec 8).
+inline constexpr double creep_armed = 10.0;
+
+// By how much tolerances of axes are relaxed that stiff springs hold.
+inline constexpr double relaxed = 1e4;
+
+inline constexpr double not_available = std::numeric_limits<double>::quiet_NaN();
+
+// Whether an announced instant has come: instants that are one are decided at once.
+inline bool has_come(double instant, double t) {
+  return t >= instant - hybrid::simultaneous(instant);
+}
+
+template <int N, class Axes>
+class RobotSystemOf final : public RobotSystem {
+  // Indicators: two for every axis and row, of which some mean nothing on some robots.
+  enum IndicatorRow {
+    of_dead_zone,
+    of_torque_limit,
+    of_voltage_limit,
+    of_backlash,
+    of_friction,
+    of_friction_piece,
+    of_creep,
+    n_indicator_rows
+  };
+
+ public:
+  RobotSystemOf(std::shared_ptr<const Robot> robot, const Axes& axes, Inputs inputs)
+      : robot_(std::move(robot)),
+        inputs_(std::move(inputs)),
+        equations_(*robot_, axes, inputs_),
+        friction_(*robot_, equations_, mode_) {
+    for (const StateGroup& group : robot_->states()) {
+      nominals_.insert(nominals_.end(), group.nominals.begin(), group.nominals.end());
+    }
+    if (const auto* table_1 = std::get_if<drive::Table1>(&robot_->tables().table_1)) {
+      a_ = drive::first<N>(table_1->dead_zone_half_width);
+      b_ = drive::first<N>(table_1->torque_limit);
+      sampling_time_ = table_1->sampling_time;
+    }
+    scratch_.resize(robot_->n_states());
+    freeze();
+  }
+
+  int n_axes() const override { return N; }
+  int n_states() const override { return robot_->n_states(); }
+  int n_indicators() const override { return n_indicator_rows * 2 * N; }
+  std::span<const double> nominals() const override { return nominals_; }
+  bool rings() const override { return robot_->options().stiction == Stiction::stiff_spring; }
+
+  void derivatives(double t, const double* x, double* derivatives) override {
+    equations_.derivatives(t, x, derivatives);
+  }
+
+  // --- indicators -------------------------------------------------------------------------------
+
+  void indicators(double t, const double* x, double* z) override {
+    std::fill_n(z, n_indicators(), 1.0);
+    if (switches_electrically()) electrical_indicators(t, x, z);
+    if (!robot_->has_real_gears()) return;
+    const ConstView<E> delta = equations_.deflection(x);
+    for (int i = 0; i < E; ++i) {
+      if (!equations_.gear.has_backlash(i)) continue;
+      edges(branch(backlash, i), delta[i], equations_.gear.b[i], slot(z, of_backlash, i));
+    }
+    const PerAxis<N> rate = equations_.rotor_rate(x);
+    const PerAxis<N> held = friction_torque(t, x);
+    for (int i = 0; i < N; ++i) {
+      const int direction = friction_.rotor_direction(i);
+      double* of_friction_i = slot(z, of_friction, i);
+      if (direction == 0) {
+        if (mode_.branch(Mode<N>::brake, i)) continue;
+        of_friction_i[0] = friction_.sticking_limit(i) - held[i];
+        of_friction_i[1] = friction_.sticking_limit(i) + held[i];
+        continue;
+      }
+      const double speed = direction * rate[i];
+      of_friction_i[0] = speed;
+      const int piece = mode_.branch(Mode<N>::friction_piece, i);
+      double* of_piece = slot(z, of_friction_piece, i);
+      const double upper = friction_.characteristic(i).upper_end(piece);
+      const double lower = friction_.characteristic(i).lower_end(piece);
+      if (std::isfinite(upper)) of_piece[0] = upper - speed;
+      if (std::isfinite(lower)) of_piece[1] = speed - lower;
+      if (equations_.is_elastic(i) && creep_rate() > 0.0) {
+        const bool armed = mode_.branch(Mode<N>::creep, i) != 0;
+        slot(z, of_creep, i)[0] = armed ? speed - creep_rate() : creep_armed * creep_rate() - speed;
+      }
+    }
+  }
+
+  hybrid::Element element_of(int indicator) const override {
+    constexpr std::array<ElementKind, n_indicator_rows> kinds = {
+        dead_zone, torque_limit, voltage_limit, backlash, friction, friction, friction};
+    return {.axis = indicator / 2 % N + 1, .kind = kinds[indicator / (2 * N)]};
+  }
+
+  std::string describe(hybrid::Element element) const override {
+    std::string name(element_names[element.kind]);
+    std::ranges::replace(name, '_', ' ');
+    return name + (element.axis > 0 ? " of axis " + std::to_string(element.axis) : "");
+  }
+
+  bool is_routine(hybrid::Element element) const override { return element.kind == sample; }
+
+  double next_time_event(double) const override {
+    return std::min({next_knot(), next_sample(), end_of(inputs_.of_axes, Mode<N>::input_piece),
+                     end_of(inputs_.tip_force, Mode<N>::force_piece)});
+  }
+
+  // --- decisions --------------------------------------------------------------------------------
+
+  void initialise(double t, double* x) override {
+    if (inputs_.motion) mode_.set_counter(Mode<N>::motion_piece, inputs_.motion->piece_at(t));
+    begin_piece(inputs_.of_axes, Mode<N>::input_piece, t);
+    begin_piece(inputs_.tip_force, Mode<N>::force_piece, t);
+    if (is_sampled()) take_sample(t, x);
+    freeze();
+    // U', m' and delta' do not depend on the branches that they decide.
+    equations_.derivatives(t, x, scratch_.data());
+    if constexpr (Axes::switches) {
+      for (int i = 0; switches_electrically() && i < N; ++i) {
+        const double U_rate = voltage(scratch_.data())[i];
+        if (a_[i] > 0.0) mode_.set(dead_zone, i, zone(voltage(x)[i], U_rate, a_[i]));
+        mode_.set(torque_limit, i, zone(pt2_torque(x)[i], pt2_torque(scratch_.data())[i], b_[i]));
+        mode_.set(voltage_limit, i, zone(voltage(x)[i], U_rate, voltage_limit_value()));
+      }
+    }
+    if (robot_->has_real_gears()) {
+      const ConstView<E> delta = equations_.deflection(x);
+      const ConstView<E> delta_rate = equations_.deflection(scratch_.data());
+      for (int i = 0; i < E; ++i) {
+        if (!equations_.gear.has_backlash(i)) continue;
+        mode_.set(backlash, i, zone(delta[i], delta_rate[i], equations_.gear.b[i]));
+      }
+      const PerAxis<N> rate = equations_.rotor_rate(x);
+      Occasion occasion;
+      for (int i = 0; i < N; ++i) {
+        const double speed = std::abs(rate[i]);
+        const bool watched = equations_.is_elastic(i) && speed > creep_armed * creep_rate();
+        mode_.set(friction, i, friction_.branch_at(i, rate[i]));
+        mode_.set(Mode<N>::friction_piece, i, friction_.characteristic(i).piece_at(speed));
+        mode_.set(Mode<N>::creep, i, watched);
+        occasion.at_rest[i] = rate[i] == 0.0;
+      }
+      freeze();
+      friction_.decide(t, x, occasion);
+    }
+    freeze();
+  }
+
+  void handle_event(double t, double* x, const hybrid::Cause& cause,
+                    std::vector<hybrid::Change>& log) override {
+    const std::vector<std::int32_t> before = mode_.frozen().branches;
+    Occasion occasion;
+    occasion.jump = cause.input_changed;
+    if (cause.time_event) pass_time_events(t, x, occasion, log);
+    if (!cause.fired.empty()) {
+      equations_.derivatives(t, x, scratch_.data());
+      for (const int indicator : cause.fired) cross(indicator, x, occasion);
+    }
+    if (cause.time_event || cause.input_changed) look_at_voltage_limits(t, x);
+    freeze();
+    if (robot_->has_real_gears() && (occasion.jump || !cause.fired.empty())) {
+      friction_.decide(t, x, occasion);
+      freeze();
+    }
+
+    for (int i = 0; i < N; ++i) {
+      for (int kind = 0; kind < n_axis_elements; ++kind) {
+        const int old_branch = before[kind * N + i];
+        const int new_branch = mode_.branch(kind, i);
+        if (old_branch != new_branch) log.push_back({{i + 1, kind}, old_branch, new_branch});
+      }
+    }
+  }
+
+  const hybrid::Mode& mode() const override { return mode_.frozen(); }
+
+  void set_mode(const hybrid::Mode& mode) override {
+    mode_.set_frozen(mode);
+    freeze();
+  }
+
+  int branch(ElementKind kind, int axis) const override { return mode_.branch(kind, axis); }
+
+  // --- inputs and outputs -----------------------------------------------------------------------
+
+  void set_input(std::span<const double> values) override {
+    mode_.input() = ConstView<N>(values.data());
+    freeze();
+  }
+
+  std::span<const double> input() const override { return mode_.input(); }
+
+  void set_tip_force(const std::array<double, 3>& force) override {
+    mode_.tip_force() = ConstView<3>(force.data());
+    freeze();
+  }
+
+  std::span<const double> tip_force() const override { return mode_.tip_force(); }
+
+  void set_brakes(const std::vector<bool>& on) override {
+    for (int i = 0; i < N; ++i) {
+      mode_.set(Mode<N>::brake, i, on[i]);
+      if (on[i]) mode_.set(friction, i, 0);
+    }
+    freeze();
+  }
+
+  void check_brakes(const std::vector<bool>& on, const double* x) const override {
+    for (int i = 0; i < N; ++i) {
+      if (!on[i] || mode_.branch(Mode<N>::brake, i)) continue;
+      const std::string axis = "brakes of axis " + std::to_string(i + 1);
+      if (i < drive::n_elastic) {
+        throw std::invalid_argument(axis + ": expected none, only axes 4 to 6 have brakes");
+      }
+      const double rate = x[equations_.index_of_rate(i)];
+      if (rate != 0.0) {
+        std::ostringstream message;
+        message << axis << ": expected an axis at rest, got a joint rate of " << rate << " rad/s";
+        throw std::invalid_argument(message.str());
+      }
+    }
+  }
+
+  std::vector<bool> brakes() const override {
+    std::vector<bool> on(N);
+    for (int i = 0; i < N; ++i) on[i] = mode_.branch(Mode<N>::brake, i) != 0;
+    return on;
+  }
+
+  void signals(double t, const double* x, double* values) override {
+    const auto signal = [values](Signal which) { return View<N>(values + which * N); };
+    const auto now = equations_.mechanics(t, x);
+    signal(joint_angle) = equations_.q(x);
+    signal(joint_rate) = equations_.qd(x);
+    signal(joint_acceleration) = now.joint_acceleration;
+    signal(rotor_angle) = equations_.rotor_angle(x);
+    signal(rotor_rate) = equations_.rotor_rate(x) + 0.0;  // rest is 0, not -0, for negative p
+    std::array<motion::Reference, N> desired;
+    desired.fill({not_available, not_available});
+    if (inputs_.motion) inputs_.motion->reference(equations_.motion_piece, t, desired);
+    for (int i = 0; i < N; ++i) {
+      signal(reference_angle)[i] = desired[i].angle;
+      signal(reference_rate)[i] = desired[i].rate;
+    }
+    signal(control_error) = signal(reference_angle) - signal(joint_angle);
+    signal(motor_torque) = now.torques.motor;
+    signal(gear_torque) = now.torques.gear;
+    signal(Signal::friction_torque) = now.torques.friction;
+    signal(joint_torque) = equations_.p * now.torques.gear;
+    if (robot_->has_controller()) {
+      signal(Signal::voltage) = voltage(x);
+    } else {
+      signal(Signal::voltage).setConstant(not_available);
+    }
+  }
+
+ private:
+  static constexpr int E = Equations<N, Axes>::E;
+  using Occasion = typename FrictionDecision<N, Axes>::Occasion;
+  using Counter = typename Mode<N>::Counter;
+
+  bool switches_electrically() const { return Axes::switches && robot_->has_controller(); }
+  bool is_sampled() const { return robot_->options().controller == Controller::sampled; }
+  double creep_rate() const { return robot_->options().creep_rate; }
+  double voltage_limit_value() const { return robot_->options().voltage_limit; }
+
+  ConstView<N> voltage(const double* x) const {
+    if constexpr (Axes::switches) {
+      return Axes::of(equations_.electrical(x), drive::voltage);
+    } else {
+      return Axes::of(equations_.electrical(x), drive::modelica_voltage);
+    }
+  }
+  ConstView<N> pt2_torque(const double* x) const
+    requires(Axes::switches)
+  {
+    return Axes::of(equations_.electrical(x), drive::pt2_torque);
+  }
+
+  // --- time events ------------------------------------------------------------------------------
+
+  double next_knot() const {
+    return inputs_.motion ? inputs_.motion->end_of(mode_.counter(Mode<N>::motion_piece))
+                          : hybrid::never;
+  }
+  double next_sample() const {
+    return is_sampled() ? (mode_.counter(Mode<N>::sample_count) + 1) * sampling_time_
+                        : hybrid::never;
+  }
+  double end_of(const std::shared_ptr<const motion::Input>& input, Counter piece) const {
+    return input ? input->end_of(mode_.counter(piece)) : hybrid::never;
+  }
+  void begin_piece(const std::shared_ptr<const motion::Input>& input, Counter piece, double t) {
+    if (input) mode_.set_counter(piece, input->piece_at(t));
+  }
+
+  void pass_time_events(double t, const double* x, Occasion& occasion,
+                        std::vector<hybrid::Change>& log) {
+    // Passes whatever ends at this instant, and tells whether something does.
+    const auto pass = [&](Counter counter, const auto& next) {
+      const int before = mode_.counter(counter);
+      while (has_come(next(), t)) mode_.set_counter(counter, mode_.counter(counter) + 1);
+      return mode_.counter(counter) > before;
+    };
+    if (pass(Mode<N>::motion_piece, [&] { return next_knot(); })) {
+      log.push_back({{0, reference}, 0, 0});
+    }
+    const bool torques_jump =
+        pass(Mode<N>::input_piece, [&] { return end_of(inputs_.of_axes, Mode<N>::input_piece); });
+    const bool force_jumps =
+        pass(Mode<N>::force_piece, [&] { return end_of(inputs_.tip_force, Mode<N>::force_piece); });
+    occasion.jump |= torques_jump || force_jumps;
+    freeze();
+    if (pass(Mode<N>::sample_count, [&] { return next_sample(); })) {
+      take_sample(t, x);
+      log.push_back({{0, sample}, 0, 0});
+    }
+    freeze();
+  }
+
+  // The A/D converter reads the reference and the rotors, the D/A converter holds what the position
+  // controllers make of them (spec 4).
+  void take_sample(double t, const double* x) {
+    equations_.motion_piece = mode_.counter(Mode<N>::motion_piece);
+    mode_.input() = equations_.command_from_motion(t, x);
+  }
+
+  // --- zones and their edges --------------------------------------------------------------------
+
+  static double* slot(double* z, IndicatorRow row, int axis) { return z + row * 2 * N + 2 * axis; }
+
+  // Indicators of a zone from -half_width to +half_width: in the zone its upper and lower edge,
+  // outside the edge that leads back.
+  static void edges(int branch, double value, double half_width, double* z) {
+    if (branch == 0) {
+      z[0] = half_width - value;
+      z[1] = half_width + value;
+    } else {
+      z[0] = branch * value - half_width;
+    }
+  }
+
+  void electrical_indicators(double t, const double* x, double* z) const {
+    if constexpr (Axes::switches) {
+      const ConstView<N> U = voltage(x);
+      const ConstView<N> m = pt2_torque(x);
+      for (int i = 0; i < N; ++i) {
+        if (a_[i] > 0.0) edges(branch(dead_zone, i), U[i], a_[i], slot(z, of_dead_zone, i));
+        edges(branch(torque_limit, i), m[i], b_[i], slot(z, of_torque_limit, i));
+      }
+      if (std::isinf(voltage_limit_value())) return;
+      const PerAxis<N> outward = drive_of_voltage(t, x);
+      for (int i = 0; i < N; ++i) {
+        const int side = branch(voltage_limit, i);
+        double* of_limit = slot(z, of_voltage_limit, i);
+        if (side == 0) {
+          edges(0, U[i], voltage_limit_value(), of_limit);
+        } else {
+          of_limit[0] = side * outward[i];
+        }
+      }
+    }
+  }
+
+  PerAxis<N> drive_of_voltage(double t, const double* x) const
+    requires(Axes::switches)
+  {
+    return equations_.axes.drive_of_voltage(equations_.electrical(x), equations_.command(t, x));
+  }
+
+  // Where the command has jumped, U may leave its limit at once, or stay at it from now on.
+  void look_at_voltage_limits(double t, const double* x) {
+    if constexpr (Axes::switches) {
+      if (!switches_electrically() || std::isinf(voltage_limit_value())) return;
+      const PerAxis<N> outward = drive_of_voltage(t, x);
+      for (int i = 0; i < N; ++i) {
+        mode_.set(voltage_limit, i, zone(voltage(x)[i], outward[i], voltage_limit_value()));
+      }
+    }
+  }
+
+  // The branch of a value; on an edge it is where its rate leads.
+  static int zone(double value, double rate, double half_width) {
+    const bool outside =
+        std::abs(value) > half_width || (std::abs(value) == half_width && sign(value) * rate > 0.0);
+    return outside ? sign(value) : 0;
+  }
+
+  // An indicator has left its domain.
+  void cross(int indicator, double* x, Occasion& occasion) {
+    const int row = indicator / (2 * N);
+    const int i = indicator / 2 % N;
+    const bool lower = indicator % 2 != 0;
+    const double* rates = scratch_.data();
+    switch (row) {
+      case of_dead_zone:
+        leave_zone(dead_zone, i, lower, voltage(rates)[i]);
+        break;
+      case of_torque_limit:
+        if constexpr (Axes::switches) leave_zone(torque_limit, i, lower, pt2_torque(rates)[i]);
+        break;
+      case of_voltage_limit:
+        if constexpr (Axes::switches) {
+          if (const int side = branch(voltage_limit, i); side != 0) {
+            mode_.set(voltage_limit, i, 0);
+            break;
+          }
+          leave_zone(voltage_limit, i, lower, voltage(rates)[i]);
+          if (const int side = branch(voltage_limit, i); side != 0) {
+            Axes::of(equations_.electrical(x), drive::voltage)[i] = side * voltage_limit_value();
+          }
+        }
+        break;
+      case of_backlash:
+        leave_zone(backlash, i, lower, equations_.deflection(rates)[i]);
+        // A damper that acts in contact only makes tau jump.
+        occasion.jump |= equations_.gear.damping == drive::GearDamping::contact;
+        break;
+      case of_friction:
+        (branch(friction, i) == 0 ? occasion.released : occasion.at_rest)[i] = true;
+        break;
+      case of_friction_piece:
+        mode_.set(Mode<N>::friction_piece, i,
+                  mode_.branch(Mode<N>::friction_piece, i) + (lower ? -1 : +1));
+        break;
+      case of_creep:
+        occasion.creeps[i] = mode_.branch(Mode<N>::creep, i) != 0;
+        mode_.set(Mode<N>::creep, i, !occasion.creeps[i]);
+        break;
+    }
+  }
+
+  // A value has reached an edge: it changes the zone if it goes on, and has only touched the edge
+  // if it goes back. With zero rate it has been seen to go on.
+  void leave_zone(ElementKind kind, int axis, bool lower_edge, double rate) {
+    const bool inside = branch(kind, axis) == 0;
+    const int outside = inside ? (lower_edge ? -1 : +1) : branch(kind, axis);
+    const bool outward = rate == 0.0 ? inside : outside * rate > 0.0;
+    mode_.set(kind, axis, outward ? outside : 0);
+  }
+
+  // rM, with the friction that holds sticking axes.
+  PerAxis<N> friction_torque(double t, const double* x) const {
+    for (int i = 0; i < N; ++i) {
+      if (equations_.sticking[i] && equations_.is_coupled(i)) {
+        return equations_.mechanics(t, x).torques.friction;
+      }
+    }
+    return equations_.torques(t, x).friction;
+  }
+
+  // Coefficients and inputs of the equations, from the mode.
+  void freeze() {
+    if constexpr (Axes::switches) {
+      for (int i = 0; i < N; ++i) {
+        equations_.axes.motor.NL1.set_dead_zone(i, branch(dead_zone, i), a_[i]);
+        equations_.axes.motor.NL2.set_saturation(i, branch(torque_limit, i), b_[i]);
+        equations_.axes.rate_controller.free[i] = branch(voltage_limit, i) == 0 ? 1.0 : 0.0;
+      }
+    }
+    if (robot_->has_real_gears()) {
+      for (int i = 0; i < E; ++i) equations_.gear.set_branch(i, branch(backlash, i));
+      friction_.freeze();
+    } else {
+      for (int i = 0; i < N; ++i) equations_.sticking[i] = mode_.branch(Mode<N>::brake, i) != 0;
+    }
+    if (rings()) relax_tolerances_of_springs();
+    equations_.held_input = mode_.input();
+    equations_.held_tip_force = mode_.tip_force().matrix();
+    equations_.motion_piece = mode_.counter(Mode<N>::motion_piece);
+    equations_.input_piece = mode_.counter(Mode<N>::input_piece);
+    equations_.force_piece = mode_.counter(Mode<N>::force_piece);
+  }
+
+  // A stiff spring that holds an axis has no damping: what it rings with, 5e5 rad/s, must not be
+  // followed. Where it is at rest, and its torque with that, follows from the torques on it.
+  void relax_tolerances_of_springs() {
+    for (int i = equations_.n_elastic(); i < N; ++i) {
+      const double factor = equations_.spring_stiffness[i] > 0.0 ? relaxed : 1.0;
+      const StateGroup& angle = robot_->states()[0];
+      const StateGroup& rate = robot_->states()[1];
+      nominals_[angle.first + i] = factor * angle.nominals[i];
+      nominals_[rate.first + i] = factor * rate.nominals[i];
+    }
+  }
+
+  std::shared_ptr<const Robot> robot_;
+  Inputs inputs_;
+  Equations<N, Axes> equations_;
+  Mode<N> mode_;
+  FrictionDecision<N, Axes> friction_;
+  PerAxis<N> a_ = PerAxis<N>::Zero(), b_ = PerAxis<N>::Zero();  // of NL1 and NL2
+  double sampling_time_ = 0.0;
+  std::vector<double> nominals_;
+  std::vector<double> scratch_;
+};
+
+}  // namespace manutec_r3::robot
