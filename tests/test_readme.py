@@ -49,10 +49,11 @@ def test_the_command_that_runs_the_main_job_names_what_there_is():
 
 
 def test_the_table_of_models_is_right():
-    rows = re.findall(r"^\| (\d) \| (\d) \| .* \| (\d+) \| (\d+) \|$", README, re.M)
-    assert [row[0] for row in rows] == ["1", "2", "3", "4"]
-    for model, *numbers in rows:
-        robot = r3.Robot(model=int(model))
+    rows = re.findall(r"^\| (\S+) \| (\d) \| .* \| (\d+) \| (\d+) \|$", README, re.M)
+    models = [1, 2, 3, 4, "full-robot", "one-axis"]
+    assert [row[0] for row in rows] == list(map(str, models))
+    for model, (_, *numbers) in zip(models, rows, strict=True):
+        robot = r3.Robot(model=model)
         assert list(map(int, numbers)) == [robot.n_axes, robot.n_states, robot.n_indicators]
 
 

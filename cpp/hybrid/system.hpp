@@ -53,8 +53,7 @@ class System {
   virtual int n_states() const = 0;
   // All that the simulation watches; may be more than the system's users are told about.
   virtual int n_indicators() const = 0;
-  // Magnitude of each state: absolute tolerances are scaled by it. May depend on the mode; methods
-  // that stiff systems need take notice at each restart.
+  // Magnitude of each state: absolute tolerances are scaled by it.
   virtual std::span<const double> nominals() const = 0;
 
   // Whether it may have undamped oscillations much faster than what matters.

@@ -24,9 +24,6 @@ namespace manutec_r3::robot {
 // exceeded so many times the threshold, so never right after break-away (spec 8).
 inline constexpr double creep_armed = 10.0;
 
-// By how much tolerances of axes are relaxed that stiff springs hold.
-inline constexpr double relaxed = 1e4;
-
 inline constexpr double not_available = std::numeric_limits<double>::quiet_NaN();
 
 // Whether an announced instant has come: instants that are one are decided at once.
@@ -70,6 +67,7 @@ class RobotSystemOf final : public RobotSystem {
   int n_states() const override { return robot_->n_states(); }
   int n_indicators() const override { return n_indicator_rows * 2 * N; }
   std::span<const double> nominals() const override { return nominals_; }
+  // A stiff spring that holds an axis has no damping: 5e5 rad/s.
   bool rings() const override { return robot_->options().stiction == Stiction::stiff_spring; }
 
   void derivatives(double t, const double* x, double* derivatives) override {
@@ -491,24 +489,11 @@ class RobotSystemOf final : public RobotSystem {
     } else {
       for (int i = 0; i < N; ++i) equations_.sticking[i] = mode_.branch(Mode<N>::brake, i) != 0;
     }
-    if (rings()) relax_tolerances_of_springs();
     equations_.held_input = mode_.input();
     equations_.held_tip_force = mode_.tip_force().matrix();
     equations_.motion_piece = mode_.counter(Mode<N>::motion_piece);
     equations_.input_piece = mode_.counter(Mode<N>::input_piece);
     equations_.force_piece = mode_.counter(Mode<N>::force_piece);
-  }
-
-  // A stiff spring that holds an axis has no damping: what it rings with, 5e5 rad/s, must not be
-  // followed. Where it is at rest, and its torque with that, follows from the torques on it.
-  void relax_tolerances_of_springs() {
-    for (int i = equations_.n_elastic(); i < N; ++i) {
-      const double factor = equations_.spring_stiffness[i] > 0.0 ? relaxed : 1.0;
-      const StateGroup& angle = robot_->states()[0];
-      const StateGroup& rate = robot_->states()[1];
-      nominals_[angle.first + i] = factor * angle.nominals[i];
-      nominals_[rate.first + i] = factor * rate.nominals[i];
-    }
   }
 
   std::shared_ptr<const Robot> robot_;

@@ -20,7 +20,7 @@ namespace manutec_r3::solver {
 namespace {
 
 // The formulas of higher order amplify undamped oscillations whose period is a few steps.
-constexpr int order_if_it_rings = 3;
+constexpr int order_if_it_rings = 2;
 
 }  // namespace
 
@@ -44,14 +44,14 @@ BackwardDifferences::BackwardDifferences(hybrid::System& system, double relative
     : f_(system),
       inside_(system.n_states()),
       x_(system.n_states(), context_),
-      derivative_(system.n_states(), context_),
-      absolute_(system.n_states(), context_),
-      relative_(relative_tolerance) {
+      derivative_(system.n_states(), context_) {
   const int n = system.n_states();
   cvode_ = CVodeCreate(CV_BDF, context_);
   if (cvode_ == nullptr) throw hybrid::SimulationFailure(context_.message());
   check(CVodeInit(cvode_, &RightHandSide::call, 0.0, x_));
-  set_tolerances();
+  Vector absolute(n, context_);
+  set_absolute_tolerances(system, relative_tolerance, absolute);
+  check(CVodeSVtolerances(cvode_, relative_tolerance, absolute));
   check(CVodeSetUserData(cvode_, &f_));
   if (system.rings()) check(CVodeSetMaxOrd(cvode_, order_if_it_rings));
   jacobian_ = SUNDenseMatrix(n, n, context_);
@@ -73,12 +73,6 @@ void BackwardDifferences::restart(double t, const double* x, double) {
   t_ = t;
   std::copy_n(x, f_.system().n_states(), x_.data());
   check(CVodeReInit(cvode_, t, x_));
-  set_tolerances();
-}
-
-void BackwardDifferences::set_tolerances() {
-  set_absolute_tolerances(f_.system(), relative_, absolute_);
-  check(CVodeSVtolerances(cvode_, relative_, absolute_));
 }
 
 void BackwardDifferences::advance(double stop, hybrid::Step& step, double* x1) {

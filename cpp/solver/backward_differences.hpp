@@ -41,14 +41,12 @@ class BackwardDifferences final : public hybrid::Integrator {
 
  private:
   hybrid::Work since_restart() const;
-  void set_tolerances();  // nominal values depend on the mode
   void check(int flag);
 
   Context context_;
   RightHandSide f_;
   BackwardDifferencesStep inside_;
-  Vector x_, derivative_, absolute_;
-  double relative_;
+  Vector x_, derivative_;
   void* cvode_ = nullptr;
   SUNMatrix jacobian_ = nullptr;
   SUNLinearSolver linear_solver_ = nullptr;
