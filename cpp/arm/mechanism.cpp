@@ -58,12 +58,10 @@ Mechanism<6> six_arm_mechanism(const Table3& table, const Load& load,
 Mechanism<3> lumped_mechanism(const Table3& table, const Load& load,
                               const std::array<double, 6>& gear_ratio,
                               const std::array<RotorCoupling, 6>& coupling) {
-  Table3 lumped = table;
-  lumped.arms[2] = table.lumped_arm_3;
-  std::array<Moments, 3> arms;
-  for (int j = 0; j < 3; ++j) arms[j] = moments(lumped.arms[j].body);
+  std::array<Moments, 3> arms = {moments(table.arms[0].body), moments(table.arms[1].body),
+                                 moments(table.lumped_arm_3)};
   arms[2] += moments_of_load<3>(table, load);
-  return {lumped, arms, gear_ratio, coupling};
+  return {table, arms, gear_ratio, coupling};
 }
 
 Mechanism<3> blocked_mechanism(const Table3& table, const Load& load,

@@ -31,9 +31,8 @@ void require_not_negative(const std::string& where, double value, const std::str
 }
 
 // Of a body that only turns about z nothing but I33 has a meaning.
-void check_body(const Arm& arm, const std::string& name, bool only_about_z = false) {
-  const auto& [mass, centre, I11, I22, I33, I13] = arm.body;
-  for (const double value : arm.offset) require_finite(of("offset", name), value, "m");
+void check_body(const Body& body, const std::string& name, bool only_about_z = false) {
+  const auto& [mass, centre, I11, I22, I33, I13] = body;
   for (const double value : centre) require_finite(of("centre_of_mass", name), value, "m");
   require_not_negative(of("mass", name), mass, "kg");
   require_not_negative(of("I11", name), I11, "kg m^2");
@@ -43,7 +42,7 @@ void check_body(const Arm& arm, const std::string& name, bool only_about_z = fal
   if (only_about_z || (I11 == 0 && I22 == 0 && I13 == 0)) return;
 
   // The triangle inequality of the principal moments says that no second moment is negative.
-  Body about_centre = arm.body;
+  Body about_centre = body;
   about_centre.centre = {0, 0, 0};
   const SymmetricTensor J = moments(about_centre).J;
   const double roundoff = 1e-12 * (I11 + I22 + I33);
@@ -61,7 +60,11 @@ void check_body(const Arm& arm, const std::string& name, bool only_about_z = fal
 
 void check(const Table3& table) {
   for (int j = 0; j < n_axes; ++j) {
-    check_body(table.arms[j], "arm " + std::to_string(j + 1), j == 0);
+    const std::string name = "arm " + std::to_string(j + 1);
+    for (const double value : table.arms[j].offset) {
+      require_finite(of("offset", name), value, "m");
+    }
+    check_body(table.arms[j].body, name, j == 0);
   }
   check_body(table.lumped_arm_3, "lumped_arm_3");
   for (int j = 0; j < n_axes; ++j) {

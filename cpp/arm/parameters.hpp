@@ -57,8 +57,9 @@ struct Table3 {
       {{0, 0, 0.73}, {5.2, {0, 0, 0.023}, 0.0125, 0.0153, 0.0081, 0}},         // M, A
       {{0, 0, 0}, {0, {0, 0, 0}, 0, 0, 0, 0}},                                 // A
   }};
-  // Arms 3 to 6 as one body, joints 4 to 6 at zero: the rounded data of models 2 and 4. Source S.
-  Arm lumped_arm_3 = {{0, 0, 0.5}, {60.3, {0.028, 0, 0.202}, 5.41, 5.60, 0.39, 0.33}};
+  // Arms 3 to 6 as one body in the frame of arm 3, joints 4 to 6 at zero: the rounded data of
+  // models 2 and 4. Source S.
+  Body lumped_arm_3 = {60.3, {0.028, 0, 0.202}, 5.41, 5.60, 0.39, 0.33};
   // rJ [kg m^2]: 1 to 3 R and S, 4 to 6 M.
   std::array<double, n_axes> rotor_inertia = {1.3e-3, 1.3e-3, 1.3e-3, 1.6e-4, 1.8e-4, 4.3e-5};
   std::array<Axis, n_axes> rotor_axes = rotor_axes_of_report;  // rn

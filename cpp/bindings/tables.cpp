@@ -80,7 +80,7 @@ py::dict as_dict(const arm::Table3& table, int n_columns, bool has_lumped_arm) {
   }
   rows["arms"] = py::tuple(arms);
   if (has_lumped_arm) {
-    py::dict arm = entry(table.lumped_arm_3);
+    py::dict arm = entry(arm::Arm{table.arms[2].offset, table.lumped_arm_3});
     arm["axis"] = letter(arm::joint_axes[2]);
     rows["lumped_arm_3"] = arm;
   }
@@ -138,12 +138,41 @@ void read_table(const py::dict& rows, Table& table) {
 
 void read_table(const py::dict& rows, arm::Table3& table) {
   read(rows["arms"], table.arms);
-  if (rows.contains("lumped_arm_3")) read(rows["lumped_arm_3"], table.lumped_arm_3);
+  if (rows.contains("lumped_arm_3")) {
+    arm::Arm lumped;  // its offset is that of arm 3
+    read(rows["lumped_arm_3"], lumped);
+    table.lumped_arm_3 = lumped.body;
+  }
   read(rows["rJ"], table.rotor_inertia);
   read(rows["rn"], table.rotor_axes);
   read(rows["joint_limits"], table.joint_limits);
   table.gravity = rows["gravity"].cast<double>();
   table.shoulder_height = rows["shoulder_height"].cast<double>();
+}
+
+template <class Table>
+py::dict units_of(const Table& table) {
+  py::dict units;
+  Table::for_each_row(table, [&](const char* symbol, const char* unit, drive::Sign, const auto&) {
+    units[symbol] = unit;
+  });
+  return units;
+}
+
+// The unit of every symbol, table by table.
+py::dict table_units(robot::Model model) {
+  const robot::Tables tables = robot::default_tables(model);
+  py::dict units;
+  units["table_1"] = std::visit([](const auto& table) { return units_of(table); }, tables.table_1);
+  units["table_2"] = units_of(tables.table_2);
+  py::dict table_3;
+  for (const char* symbol : {"I11", "I22", "I33", "I13", "rJ"}) table_3[symbol] = "kg m^2";
+  for (const char* symbol : {"offset", "centre_of_mass", "shoulder_height"}) table_3[symbol] = "m";
+  table_3["mass"] = "kg";
+  table_3["joint_limits"] = "rad";
+  table_3["gravity"] = "m/s^2";
+  units["table_3"] = table_3;
+  return units;
 }
 
 }  // namespace
@@ -169,6 +198,8 @@ robot::Tables tables_from(const py::dict& dict, robot::Model model) {
 }
 
 void register_tables(py::module_& module) {
+  module.def("table_units",
+             [](const py::object& model) { return table_units(model_named(model)); });
   module.def("default_tables", [](const py::object& model) {
     return as_dict(robot::default_tables(model_named(model)), model_named(model));
   });

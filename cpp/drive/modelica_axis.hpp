@@ -13,6 +13,10 @@
 
 namespace manutec_r3::drive {
 
+// Of the motor circuit: v weighs in i' so many times, and i [Ohm].
+inline constexpr double modelica_amplification = 5.0;
+inline constexpr double modelica_resistance = 250.0;
+
 // The states of all axes lie in memory one group after another.
 enum ModelicaState {
   modelica_controller,  // x
@@ -62,7 +66,8 @@ struct ModelicaAxes {
     const PerAxis<N> i_ref = ks * (of(x, modelica_controller) + u);
     of(dx, modelica_controller) = one_by_Ts * u;
     of(dx, modelica_voltage) = (i - i_ref) * w_by_D / 0.04;
-    of(dx, modelica_current) = -(two_D_w / 250.0) * (5.0 * v + 250.0 * i + k * w_m);
+    of(dx, modelica_current) = -(two_D_w / modelica_resistance) *
+                               (modelica_amplification * v + modelica_resistance * i + k * w_m);
   }
 
   // rF [N m].

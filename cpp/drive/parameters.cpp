@@ -1,6 +1,7 @@
 // What the numbers of the tables must be.
 #include "drive/parameters.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
@@ -9,6 +10,9 @@
 
 namespace manutec_r3::drive {
 namespace {
+
+// Shorter ones make runs that hardly advance [s].
+constexpr double shortest_sampling_time = 1e-6;
 
 [[noreturn]] void refuse(const std::string& where, const std::string& expected,
                          const std::string& unit, double got) {
@@ -37,6 +41,11 @@ void check_row(const std::string& where, const std::string& unit, Sign sign,
   for (std::size_t i = 0; i < row.size(); ++i) {
     const std::string here = of_axis(where, i);
     if (row[i].size() < 2) refuse(here, "two points or more", unit, row[i].size());
+    const FrictionPoint& last = row[i].back();
+    const FrictionPoint& before_last = row[i][row[i].size() - 2];
+    if (last.torque < before_last.torque) {
+      refuse(here, "a last segment, which goes on for ever, that does not fall", unit, last.torque);
+    }
     double after = -1.0;
     for (const auto& [rate, torque] : row[i]) {
       require(here, unit, sign, torque);
@@ -72,18 +81,32 @@ void require(const std::string& where, const std::string& unit, Sign sign, doubl
          unit, value);
 }
 
-void check(const Table1& table) { check_rows("table_1", table); }
+void check(const Table1& table) {
+  check_rows("table_1", table);
+  if (table.sampling_time < shortest_sampling_time) {
+    std::ostringstream expected;
+    expected << "at least " << shortest_sampling_time;
+    refuse("table_1 T", expected.str(), "s", table.sampling_time);
+  }
+}
 
 void check(const ModelicaTable1& table) { check_rows("table_1", table); }
 
 void check(const Table2& table) {
   check_rows("table_2", table);
   for (std::size_t i = 0; i < table.sticking_limit.size(); ++i) {
-    const double rM_1 = table.sliding_friction[i].front().torque;
-    if (table.sticking_limit[i] >= rM_1) continue;
-    std::ostringstream expected;
-    expected << "at least rM_1, the first point of friction, " << rM_1;
-    refuse(of_axis("table_2 rM_h", i), expected.str(), "N m", table.sticking_limit[i]);
+    const FrictionPoints& points = table.sliding_friction[i];
+    const double rM_1 = points.front().torque;
+    if (table.sticking_limit[i] < rM_1) {
+      std::ostringstream expected;
+      expected << "at least rM_1, the first point of friction, " << rM_1;
+      refuse(of_axis("table_2 rM_h", i), expected.str(), "N m", table.sticking_limit[i]);
+    }
+    const bool slides_freely =
+        std::ranges::all_of(points, [](const FrictionPoint& point) { return point.torque == 0.0; });
+    if (table.sticking_limit[i] == 0.0 && !slides_freely) {
+      refuse(of_axis("table_2 rM_h", i), "a positive limit where there is friction", "N m", 0.0);
+    }
   }
 }
 

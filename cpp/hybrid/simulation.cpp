@@ -67,17 +67,25 @@ void Simulation::advance(double target, Stop stop, Target at_target,
 }
 
 void Simulation::change_input(const std::function<void()>& set) {
-  now_.x = state();  // with the old input
-  if (trajectory_) trajectory_->cut(now_.time);
-  set();
-  // An event that is due at this very instant is part of the same decision.
-  const bool due = now_.event && now_.time == now_.step.t1;
-  if (!due) {
-    now_.fired.clear();
-    now_.time_event = false;
+  const Snapshot before = save();
+  try {
+    now_.x = state();  // with the old input
+    // An event that is due at this very instant is part of the same decision.
+    const bool due = now_.event && now_.time == now_.step.t1;
+    if (!due) {
+      now_.fired.clear();
+      now_.time_event = false;
+    }
+    now_.step.t0 = now_.step.t1 = now_.time;
+    set();
+    handle_event(true);
+  } catch (...) {
+    now_ = before.front;
+    system_.set_mode(before.mode);
+    integrator_.restart(now_.step.t1, now_.x.data(), before.next_size);
+    throw;
   }
-  now_.step.t0 = now_.step.t1 = now_.time;
-  handle_event(true);
+  if (trajectory_) trajectory_->cut(now_.time);
 }
 
 std::vector<double> Simulation::state() {

@@ -9,9 +9,8 @@
 //  2. Right after an event every indicator counts as inside its domain, because the decision has
 //     just been made: the same root is never searched again.
 //  3. The instant is located within roundoff of t, on the method's own solution inside the step:
-//  for
-//     Runge-Kutta a true step that ends there, for BDF its polynomial. The integration restarts
-//     from it.
+//     for Runge-Kutta a true step that ends there, for BDF its polynomial. The integration
+//     restarts from it.
 //  4. Instants closer than four units in the last place are one instant, and what happens at one
 //     instant is one decision of the system.
 //  5. The system may find by physics that an indicator has only touched zero. Then no branch

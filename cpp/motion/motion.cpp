@@ -113,8 +113,7 @@ std::vector<double> angles_at(const Motion& motion, double t) {
   return angles;
 }
 
-// --- what the laws of pieces give
-// -----------------------------------------------------------------
+// --- what the laws of pieces give ----------------------------------------------------------------
 
 void reference_of(const Polynomials& law, double t, int, std::span<Reference> references) {
   const double x = (t - law.begin) / law.length;
@@ -194,8 +193,7 @@ bool rests_at_zero(const PieceOfMotion& law, int axis) { return law.motion->rest
 
 }  // namespace
 
-// --- a motion
-// -------------------------------------------------------------------------------------
+// --- a motion ------------------------------------------------------------------------------------
 
 Motion::Motion(std::vector<double> start, std::vector<Piece> pieces, double duration)
     : start_(std::move(start)), pieces_(std::move(pieces)), duration_(duration) {
@@ -236,8 +234,7 @@ void Motion::acceleration(int piece, double t, std::span<double> accelerations) 
              pieces_[piece].law);
 }
 
-// --- the kinds of motions
-// -------------------------------------------------------------------------
+// --- the kinds of motions ------------------------------------------------------------------------
 
 Motion quintic(std::span<const double> start, std::span<const double> end, double duration) {
   check_angles("start", start);

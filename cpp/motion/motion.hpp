@@ -22,8 +22,7 @@ struct Reference {
 
 class Motion;
 
-// --- what a piece may be
-// --------------------------------------------------------------------------
+// --- what a piece may be -------------------------------------------------------------------------
 
 // One polynomial per axis in the normalised time x = (t - begin) / length of the piece,
 // coefficients from x^0 to x^5: high powers of short times would lose digits.
@@ -61,8 +60,7 @@ struct Piece {
   std::variant<Polynomials, PieceOfFunctions, PieceOfMotion> law;
 };
 
-// --- motions
-// --------------------------------------------------------------------------------------
+// --- motions -------------------------------------------------------------------------------------
 
 class Motion {
  public:

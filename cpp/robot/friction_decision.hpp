@@ -54,6 +54,10 @@ class FrictionDecision {
     return mode_.branch(Mode<N>::brake, axis) ? std::numeric_limits<double>::infinity()
                                               : friction_[axis].sticking_limit;
   }
+  // Whether there is anything to decide about an axis.
+  bool has_friction(int axis) const {
+    return friction_[axis].sticking_limit > 0.0 || mode_.branch(Mode<N>::brake, axis);
+  }
   // How the rotor slides, -1, 0 or +1.
   int rotor_direction(int axis) const { return side_[axis] * mode_.branch(friction, axis); }
   // The branch of an axis whose rotor has this rate.
@@ -94,7 +98,7 @@ class FrictionDecision {
     const int direction = rotor_direction(axis);
     friction_[axis].set(equations_.friction, axis, direction,
                         mode_.branch(Mode<N>::friction_piece, axis));
-    const bool sticks = direction == 0;
+    const bool sticks = direction == 0 && has_friction(axis);
     const bool soft = sticks && !exact;
     equations_.sticking[axis] = sticks && exact;
     const bool spring = soft && stiction_ == Stiction::stiff_spring;
@@ -108,7 +112,7 @@ class FrictionDecision {
                          const std::array<bool, N>& stuck) {
     const typename Equations<N, Axes>::Torques torques = equations_.torques(t, x);
     for (int i = 0; i < N; ++i) {
-      if (equations_.is_coupled(i)) continue;
+      if (equations_.is_coupled(i) || !has_friction(i)) continue;
       const double driving = torques.motor[i] - torques.gear[i];  // rF - tau
       const bool holds = std::abs(driving) <= sticking_limit(i);
       const bool sticks_already = stuck[i] && !occasion.at_rest[i];
@@ -133,7 +137,7 @@ class FrictionDecision {
     std::vector<int> resting;
     for (int i = 0; i < N; ++i) {
       const bool rests = stuck[i] || occasion.at_rest[i] || occasion.creeps[i];
-      if (equations_.is_coupled(i) && rests) resting.push_back(i);
+      if (equations_.is_coupled(i) && has_friction(i) && rests) resting.push_back(i);
     }
     if (resting.empty()) return;
 
@@ -216,11 +220,14 @@ class FrictionDecision {
 
   // An axis begins to slide backward or forward (-1, +1), or sticks (0) from now on.
   void set(int axis, int branch, double* x) {
-    const bool was_held = mode_.branch(friction, axis) == 0;
-    if (branch == 0 && !(was_held && is_soft(axis))) x[equations_.index_of_rate(axis)] = 0.0;
+    double& rate = x[equations_.index_of_rate(axis)];
+    const bool stays_soft = branch == 0 && mode_.branch(friction, axis) == 0 && is_soft(axis);
     mode_.set(friction, axis, branch);
     mode_.set(Mode<N>::friction_piece, axis, 0);
     mode_.set(Mode<N>::creep, axis, 0);
+    // What springs and dampers held has a rate, which must not be opposite to how it slides.
+    const bool opposite = rotor_direction(axis) * equations_.rotor_rate(x)[axis] < 0.0;
+    if ((branch == 0 && !stays_soft) || opposite) rate = 0.0;
   }
 
   const Robot& robot_;

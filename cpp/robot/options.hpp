@@ -1,17 +1,24 @@
 // The models and their options: in one place, what may differ from model 3 with all defaults.
 //
-// Where each option takes effect in the equations:
+// Where each takes effect, in the equations (E: Equations, equations.hpp) and in decisions
+// (F: FrictionDecision, friction_decision.hpp; S: RobotSystemOf, robot_system_of.hpp):
 //
-//   controller     the command u_c to the rate controllers: Equations::command; without one the
-//                  motor torques: Equations::torques
-//   coupling       rigid gears: arm/mechanism.hpp; elastic gears: Equations::dynamics
-//   gear_damping   drive/gear.hpp
-//   stiction       Equations::torques and FrictionDecision::capture
+//   model          arms and tables: tables.cpp; controllers and motors: E's argument `Axes`
+//   controller     u_c to the rate controllers: E::command, without one rF: E::torques;
+//                  sampled: S::take_sample
+//   coupling       rigid gears: arm/mechanism.hpp; elastic gears: E::dynamics, E::accelerations;
+//                  who decides together: E::is_coupled
+//   gear_damping   drive/gear.hpp; tau jumps: S::cross
+//   stiction, k    E::torques; F::freeze, F::capture; the method: S::rings
 //   arm            arm/mechanism.hpp
-//   creep_rate     RobotSystem's indicators
-//   voltage_limit  drive/rate_controller.hpp
+//   creep_rate     S::indicators, S::cross
+//   voltage_limit  drive/rate_controller.hpp; S's electrical indicators
+//
+// Inputs are no options: motor torques, commands and a force on the tip are E's held values or
+// functions (inputs.hpp), brakes are sticking limits without end (F::sticking_limit).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <string>

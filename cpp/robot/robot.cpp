@@ -50,10 +50,11 @@ const Options& checked(Model model, const Options& options) {
   return options;
 }
 
-const Tables& checked(const Tables& tables, double voltage_limit) {
+const Tables& checked(const Tables& tables, int n_axes, double voltage_limit) {
   check(tables);
   if (const auto* table_1 = std::get_if<drive::Table1>(&tables.table_1)) {
-    const double widest = std::ranges::max(table_1->dead_zone_half_width);
+    const double widest = *std::max_element(table_1->dead_zone_half_width.begin(),
+                                            table_1->dead_zone_half_width.begin() + n_axes);
     if (voltage_limit <= widest) {
       std::ostringstream message;
       message << "voltage_limit: expected more than the dead zones' a, " << widest << " V, got "
@@ -70,7 +71,7 @@ Robot::Robot(Model model, const arm::Load& load, const Options& options, const T
     : model_(model),
       load_(checked(model, load)),
       options_(checked(model, options)),
-      tables_(checked(tables, options.voltage_limit)),
+      tables_(checked(tables, n_axes(), options.voltage_limit)),
       arm_(mechanism(n_axes(), load_, options_, tables_, 0)),
       arm_behind_gears_(mechanism(n_axes(), load_, options_, tables_, n_elastic())) {
   name_states();

@@ -1,4 +1,4 @@
-// A robot that follows a motion, as a hybrid system.
+// A robot with its inputs as a hybrid system.
 #pragma once
 
 #include <array>

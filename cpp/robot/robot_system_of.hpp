@@ -88,6 +88,7 @@ class RobotSystemOf final : public RobotSystem {
     const PerAxis<N> rate = equations_.rotor_rate(x);
     const PerAxis<N> held = friction_torque(t, x);
     for (int i = 0; i < N; ++i) {
+      if (!friction_.has_friction(i)) continue;
       const int direction = friction_.rotor_direction(i);
       double* of_friction_i = slot(z, of_friction, i);
       if (direction == 0) {
@@ -160,7 +161,7 @@ class RobotSystemOf final : public RobotSystem {
       for (int i = 0; i < N; ++i) {
         const double speed = std::abs(rate[i]);
         const bool watched = equations_.is_elastic(i) && speed > creep_armed * creep_rate();
-        mode_.set(friction, i, friction_.branch_at(i, rate[i]));
+        mode_.set(friction, i, friction_.has_friction(i) ? friction_.branch_at(i, rate[i]) : 0);
         mode_.set(Mode<N>::friction_piece, i, friction_.characteristic(i).piece_at(speed));
         mode_.set(Mode<N>::creep, i, watched);
         occasion.at_rest[i] = rate[i] == 0.0;
@@ -223,11 +224,7 @@ class RobotSystemOf final : public RobotSystem {
   std::span<const double> tip_force() const override { return mode_.tip_force(); }
 
   void set_brakes(const std::vector<bool>& on) override {
-    for (int i = 0; i < N; ++i) {
-      mode_.set(Mode<N>::brake, i, on[i]);
-      if (on[i]) mode_.set(friction, i, 0);
-    }
-    freeze();
+    for (int i = 0; i < N; ++i) mode_.set(Mode<N>::brake, i, on[i]);
   }
 
   void check_brakes(const std::vector<bool>& on, const double* x) const override {
@@ -238,7 +235,10 @@ class RobotSystemOf final : public RobotSystem {
         throw std::invalid_argument(axis + ": expected none, only axes 4 to 6 have brakes");
       }
       const double rate = x[equations_.index_of_rate(i)];
-      if (rate != 0.0) {
+      // What springs and dampers of the option hold is at rest as well.
+      const bool sticks =
+          robot_->has_real_gears() && branch(friction, i) == 0 && friction_.has_friction(i);
+      if (rate != 0.0 && !sticks) {
         std::ostringstream message;
         message << axis << ": expected an axis at rest, got a joint rate of " << rate << " rad/s";
         throw std::invalid_argument(message.str());
@@ -330,11 +330,11 @@ class RobotSystemOf final : public RobotSystem {
     if (pass(Mode<N>::motion_piece, [&] { return next_knot(); })) {
       log.push_back({{0, reference}, 0, 0});
     }
-    const bool torques_jump =
+    const bool inputs_jump =
         pass(Mode<N>::input_piece, [&] { return end_of(inputs_.of_axes, Mode<N>::input_piece); });
     const bool force_jumps =
         pass(Mode<N>::force_piece, [&] { return end_of(inputs_.tip_force, Mode<N>::force_piece); });
-    occasion.jump |= torques_jump || force_jumps;
+    occasion.jump |= (inputs_jump && !robot_->has_controller()) || force_jumps;
     freeze();
     if (pass(Mode<N>::sample_count, [&] { return next_sample(); })) {
       take_sample(t, x);

@@ -10,6 +10,7 @@
 
 #include "arm/composite.hpp"
 #include "drive/gear.hpp"
+#include "drive/modelica_axis.hpp"
 
 namespace manutec_r3::robot {
 namespace {
@@ -19,6 +20,8 @@ namespace {
 constexpr double zero_torque = 1e-12;
 // The sagging arms of axes 1 to 3 converge by a factor of more than ten per iteration.
 constexpr int most_iterations = 100;
+// They have converged if they move by roundoff only [rad].
+constexpr double converged_angle = 1e-15;
 // A rotor's angle or rate that is given as well may differ from p times its joint's by rounding.
 constexpr double rigid_tolerance = 1e-9;
 
@@ -91,6 +94,19 @@ void hold_by_report_axes(const Robot& robot, const drive::Table1& table,
   }
 }
 
+// The same of the Modelica variant: k i = torque, i' = v' = 0, but x moves if a rate is asked for.
+void hold_by_modelica_axes(const Robot& robot, const drive::ModelicaTable1& table,
+                           const std::vector<double>& torque,
+                           const std::vector<double>& rate_asked_for, std::vector<double>& x) {
+  for (int i = 0; i < robot.n_axes(); ++i) {
+    const double current = torque[i] / table.k[i];
+    group(robot, x, "current")[i] = current;
+    group(robot, x, "voltage")[i] =
+        -drive::modelica_resistance / drive::modelica_amplification * current;
+    group(robot, x, "controller")[i] = current / table.ks[i] - rate_asked_for[i];
+  }
+}
+
 }  // namespace
 
 Start default_start(Model model) { return is_modelica(model) ? Start::arm : Start::rotor; }
@@ -109,20 +125,24 @@ std::vector<double> rest_state(const Robot& robot, const motion::Motion* motion,
 
   // Torques depend on where the arms sag to, and where they sag to on the torques.
   std::vector<double> q = reference, torque(n), deflection(robot.n_elastic());
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+  bool converged = false;
+  for (int iteration = 0; iteration < most_iterations && !converged; ++iteration) {
     torque = gravity_torques(robot, q);
     for (int i = 0; i < n; ++i) {
       torque[i] /= p[i];
       if (std::abs(torque[i]) < zero_torque) torque[i] = 0.0;
     }
-    bool converged = true;
+    converged = true;
     for (int i = 0; i < robot.n_elastic(); ++i) {
       deflection[i] = gear.deflection_under(i, torque[i]);
       const double sagged = start == Start::rotor ? reference[i] - deflection[i] / p[i] : q[i];
-      converged &= sagged == q[i];
+      converged &= std::abs(sagged - q[i]) <= converged_angle * (1.0 + std::abs(q[i]));
       q[i] = sagged;
     }
-    if (converged) break;
+  }
+  if (!converged) {
+    throw std::invalid_argument(
+        "start: the arms sag without end, expected stiffer gears, table_2 c");
   }
 
   std::vector<double> x(robot.n_states(), 0.0);
@@ -132,15 +152,13 @@ std::vector<double> rest_state(const Robot& robot, const motion::Motion* motion,
   if (const auto* table_1 = std::get_if<drive::Table1>(&robot.tables().table_1)) {
     hold_by_report_axes(robot, *table_1, torque, x);
   } else {
+    std::vector<double> rate_asked_for(n);  // by the position controllers
     const auto& modelica = std::get<drive::ModelicaTable1>(robot.tables().table_1);
     for (int i = 0; i < n; ++i) {
-      const double current = torque[i] / modelica.k[i];
       const double rq = p[i] * q[i] + (i < robot.n_elastic() ? deflection[i] : 0.0);
-      group(robot, x, "current")[i] = current;
-      group(robot, x, "voltage")[i] = -50.0 * current;
-      group(robot, x, "controller")[i] =
-          current / modelica.ks[i] - modelica.kp[i] * (p[i] * reference[i] - rq);
+      rate_asked_for[i] = modelica.kp[i] * (p[i] * reference[i] - rq);
     }
+    hold_by_modelica_axes(robot, modelica, torque, rate_asked_for, x);
   }
   return x;
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hybrid/crossing.hpp"
 #include "hybrid/failure.hpp"
 
 namespace manutec_r3::solver {
@@ -71,12 +72,14 @@ void ExplicitRungeKutta::advance(double stop, hybrid::Step& step, double* x1) {
     ++short_steps_;
     return;
   }
-  if (reset_) {
+  // ARKODE would plan the step before a stop shorter than it is: what remains is left to us, so
+  // that a run that is saved and continued takes the same steps.
+  const bool reaches_stop = next_size_ >= stop - t_;
+  if (reset_ || reaches_stop) {
     check(ARKodeReset(arkode_, t_, x_));
-    check(ARKodeSetInitStep(arkode_, next_size_));
+    check(ARKodeSetInitStep(arkode_, reaches_stop ? stop - t_ : next_size_));
     reset_ = false;
   }
-  check(std::isfinite(stop) ? ARKodeSetStopTime(arkode_, stop) : ARKodeClearStopTime(arkode_));
   const int flag = ARKodeEvolve(arkode_, t_ + 1.0, x_, &t_, ARK_ONE_STEP);
   if (flag < 0) {
     restart(step.t0, step.dense.data(), next_size_);
@@ -87,7 +90,7 @@ void ExplicitRungeKutta::advance(double stop, hybrid::Step& step, double* x1) {
   }
   double size = 0.0;
   check(ARKodeGetCurrentStep(arkode_, &size));
-  if (flag == ARK_TSTOP_RETURN) {
+  if (t_ >= stop - hybrid::simultaneous(stop)) {
     // The step was cut short; the size planned before says more than what it was cut to.
     t_ = stop;
     next_size_ = std::max(next_size_, size);

@@ -44,6 +44,10 @@ class Input:
             raise ValueError(f"knots: expected instants [s] that ascend, got {self.knots!r}")
         object.__setattr__(self, "knots", tuple(knots.tolist()))
 
+    def __call__(self, t: float) -> Sequence[float]:
+        """Values at `t` [s]."""
+        return self.function(t)
+
     def _core(self, name: str, unit: str, size: int) -> _core.Input:
         def values(t: float) -> list[float]:
             where = f"{name} at {t:.9g} s"
@@ -141,16 +145,19 @@ def gather(
                 f"{other}: expected a robot with controller={needed} to set it, "
                 f"got controller={robot.controller!r}"
             )
+    if given.get("tip_force") is not None:
+        _check_tip(robot)
     functions, held = [], []
     for which in (name, "tip_force"):
         value = given.get(which)
-        value = Input(value) if callable(value) else value
+        if callable(value) and not isinstance(value, Input):
+            value = Input(value)
         is_function = isinstance(value, Input)
         functions.append(value if is_function else None)
         if value is None or is_function:
             held.append(None)
         elif which == "tip_force":
-            held.append(force(value))
+            held.append(force(robot, value))
         else:
             held.append(one_per_axis(which, value, unit, robot.n_axes))
     return Inputs(robot, motion, *functions), Held(*held)
@@ -164,12 +171,18 @@ def one_per_axis(name: str, value: Sequence[float], unit: str, n_axes: int) -> n
     return array
 
 
-def force(value: Sequence[float]) -> np.ndarray:
+def force(robot: Robot, value: Sequence[float]) -> np.ndarray:
     """Return a force on the tip, an array (3,) [N]."""
+    _check_tip(robot)
     array = floats("tip_force", value, "N")
     if array.shape != (3,):
         raise ValueError(f"tip_force: expected three components [N], got shape {array.shape}")
     return array
+
+
+def _check_tip(robot: Robot) -> None:
+    if robot.model == "one-axis":
+        raise ValueError("tip_force: expected a robot with a load, got model one-axis")
 
 
 def braked(value: Sequence[bool] | bool, n_axes: int) -> list[bool]:

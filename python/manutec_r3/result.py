@@ -27,10 +27,11 @@ class Statistics:
     steps, rejected_steps : int
         Accepted; rejected by the error control.
     events : int
-        Branches that switched and knots of the reference.
+        Branches that switched and knots of the reference; samples, if they are listed.
     restarts : int
-        Of the integration: one for all events of an instant, one for each kink of the friction
-        characteristic, one when a rotor 1 to 3 has clearly broken away (its creep is watched then).
+        Of the integration: one for all events of an instant, listed or not, one for each kink of
+        the friction characteristic, for each knot and each setting of an input, and one when a
+        rotor 1 to 3 has clearly broken away (its creep is watched then).
     samples : int
         Of a sampled controller, after the one at the start.
     sample_evaluations : int

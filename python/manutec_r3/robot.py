@@ -1,7 +1,6 @@
 """The robot and its load: what is simulated."""
 
 from collections.abc import Mapping, Sequence
-from copy import deepcopy
 from dataclasses import KW_ONLY, dataclass, fields
 from functools import cached_property
 from typing import Any, Literal
@@ -11,7 +10,7 @@ import numpy as np
 from . import _core
 from .arguments import floats, number, per_axis
 from .motion import Motion
-from .tables import TABLES, replaced
+from .tables import TABLES, Rows, replaced
 
 # Arguments of a robot that are options of its model.
 _OPTIONS = (
@@ -153,10 +152,11 @@ class Robot:
             limit = number("voltage_limit", self.voltage_limit, "V")
             object.__setattr__(self, "voltage_limit", limit)
         for name in TABLES:
-            object.__setattr__(self, name, deepcopy(getattr(self, name)))
-        options = self._compiled.options  # the model's own, where nothing was given
-        for name in ("rotor_coupling", "arm"):
-            object.__setattr__(self, name, options[name])
+            if isinstance(rows := getattr(self, name), Mapping):
+                object.__setattr__(self, name, Rows(rows))
+        # The model's own, where nothing was given.
+        for name, value in self._compiled.options.items():
+            object.__setattr__(self, name, value)
 
     @cached_property
     def _compiled(self) -> _core.Robot:
@@ -164,7 +164,8 @@ class Robot:
         given = {k: v for k, v in options.items() if v is not None or k == "controller"}
         tables = _core.default_tables(self.model)
         changes = {name: getattr(self, name) for name in TABLES}
-        return _core.Robot(self.model, self.load._compiled, given, replaced(tables, changes))
+        tables = replaced(self.model, tables, changes)
+        return _core.Robot(self.model, self.load._compiled, given, tables)
 
     def __getstate__(self) -> dict:
         return {name: value for name, value in self.__dict__.items() if name != "_compiled"}
@@ -206,9 +207,13 @@ class Robot:
                 same[name] = None
             if self.load == Robot(self.model).load:
                 same["load"] = None
-        for name in TABLES:
-            if isinstance(changes.get(name), Mapping) and same[name]:
-                changes[name] = {**same[name], **changes[name]}
+        else:
+            # What is replaced on one axis leaves the others as they are.
+            rows = {name: changes[name] for name in TABLES if changes.get(name) is not None}
+            tables = replaced(self.model, self.parameters, rows)
+            for name in rows:
+                whole = {symbol: tables[name][symbol] for symbol in rows[name]}
+                changes[name] = {**(same[name] or {}), **whole}
         return Robot(**(same | changes))
 
     # --- sizes and names ------------------------------------------------------------------------

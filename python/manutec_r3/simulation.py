@@ -188,7 +188,8 @@ class Simulator(Signals):
     robot : Robot
         What to simulate.
     motion : Motion, optional
-        Reference of its joint angles; may be missing only without a controller.
+        Reference of its joint angles; may be missing only if no
+        position controller follows it.
     rtol, method, start, list_samples, motor_torque, command, tip_force, brakes
         As in `simulate`. Branches are decided from the start by physics. Samples that are not
         listed do not end `step_to_event`.
@@ -245,7 +246,7 @@ class Simulator(Signals):
             self._set(self._compiled.set_input, held.of_axes)
         if held.tip_force is not None:
             self._set(self._compiled.set_tip_force, held.tip_force)
-        if np.any(brakes):
+        if any(braked(brakes, robot.n_axes)):
             self.brakes = brakes
 
     @property
@@ -309,7 +310,8 @@ class Simulator(Signals):
                 "command: expected a robot with controller='external' or 'sampled', "
                 f"got controller={self.robot.controller!r}"
             )
-        return self._compiled.input
+        function = self.inputs.of_axes
+        return np.array(function(self.time)) if function else self._compiled.input
 
     @command.setter
     def command(self, command: Sequence[float]) -> None:
@@ -318,13 +320,14 @@ class Simulator(Signals):
     @property
     def tip_force(self) -> np.ndarray:
         """Force on the load (3,), in the world [N]: held until it is set again, zero at first."""
-        return self._compiled.tip_force
+        function = self.inputs.tip_force
+        return np.array(function(self.time)) if function else self._compiled.tip_force
 
     @tip_force.setter
     def tip_force(self, value: Sequence[float]) -> None:
         if self.inputs.tip_force is not None:
             raise AttributeError("tip_force: it is a function of time and cannot be set")
-        self._set(self._compiled.set_tip_force, force(value))
+        self._set(self._compiled.set_tip_force, force(self.robot, value))
 
     @property
     def brakes(self) -> np.ndarray:
@@ -461,9 +464,8 @@ class Simulator(Signals):
         if saved.of != (self.inputs, self.method, self.rtol):
             inputs, method, rtol = saved.of
             raise ValueError(
-                f"saved: expected a state of {self.robot}, {self.motion}, method {self.method!r}, "
-                f"rtol {self.rtol:g}; got one of {inputs.robot}, {inputs.motion}, "
-                f"method {method!r}, rtol {rtol:g}"
+                f"saved: expected a state of {self.inputs}, method {self.method!r}, "
+                f"rtol {self.rtol:g}; got one of {inputs}, method {method!r}, rtol {rtol:g}"
             )
         self._compiled.restore(saved.core)
         self._untold = list(saved.untold)
