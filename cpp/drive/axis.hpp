@@ -24,9 +24,6 @@ enum ElectricalState {
 
 template <int N>
 struct Axes {
-  // Dead zone, torque limit, limit on U.
-  static constexpr bool switches = true;
-
   PositionController<N> position_controller;
   Tachogenerator<N> tachogenerator;
   RateController<N> rate_controller;
@@ -59,6 +56,9 @@ struct Axes {
         rate_controller.rate_error(command, of(x, tachogenerator_2), of(x, filter));
     return rate_controller.drive(e, of(x, controller), of(x, voltage));
   }
+
+  // U [V].
+  static ConstView<N> voltage_of(const double* x) { return of(x, voltage); }
 
   // rF [N m].
   PerAxis<N> motor_torque(const double* x) const { return motor.NL2(of(x, pt2_torque)); }

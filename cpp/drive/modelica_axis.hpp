@@ -40,8 +40,6 @@ struct ModelicaPositionController {
 
 template <int N>
 struct ModelicaAxes {
-  static constexpr bool switches = false;
-
   ModelicaPositionController<N> position_controller;
   PerAxis<N> ks, one_by_Ts, k, w_by_D, two_D_w;
 
@@ -69,6 +67,9 @@ struct ModelicaAxes {
     of(dx, modelica_current) = -(two_D_w / modelica_resistance) *
                                (modelica_amplification * v + modelica_resistance * i + k * w_m);
   }
+
+  // v [V].
+  static ConstView<N> voltage_of(const double* x) { return of(x, modelica_voltage); }
 
   // rF [N m].
   PerAxis<N> motor_torque(const double* x) const { return k * of(x, modelica_current); }

@@ -15,13 +15,12 @@
 #include "robot/mode.hpp"
 #include "robot/options.hpp"
 #include "robot/stiction.hpp"
+#include "robot/zones.hpp"
 
 namespace manutec_r3::robot {
 
 // Rates of torques come from a difference over this time [s].
 inline constexpr double soon = 1e-7;
-
-inline int sign(double value) { return (value > 0.0) - (value < 0.0); }
 
 template <int N, class Axes>
 class FrictionDecision {

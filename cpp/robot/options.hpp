@@ -12,7 +12,7 @@
 //   stiction, k    E::torques; F::freeze, F::capture; the method: S::rings
 //   arm            arm/mechanism.hpp
 //   creep_rate     S::indicators, S::cross
-//   voltage_limit  drive/rate_controller.hpp; S's electrical indicators
+//   voltage_limit  drive/rate_controller.hpp; electrical_switches.hpp
 //
 // Inputs are no options: motor torques, commands and a force on the tip are E's held values or
 // functions (inputs.hpp), brakes are sticking limits without end (F::sticking_limit).

@@ -10,13 +10,13 @@
 #include <string>
 #include <utility>
 
-#include "drive/axis.hpp"
-#include "drive/modelica_axis.hpp"
 #include "hybrid/crossing.hpp"
+#include "robot/electrical_switches.hpp"
 #include "robot/equations.hpp"
 #include "robot/friction_decision.hpp"
 #include "robot/mode.hpp"
 #include "robot/robot_system.hpp"
+#include "robot/zones.hpp"
 
 namespace manutec_r3::robot {
 
@@ -50,13 +50,12 @@ class RobotSystemOf final : public RobotSystem {
       : robot_(std::move(robot)),
         inputs_(std::move(inputs)),
         equations_(*robot_, axes, inputs_),
+        electrical_(*robot_, equations_, mode_),
         friction_(*robot_, equations_, mode_) {
     for (const StateGroup& group : robot_->states()) {
       nominals_.insert(nominals_.end(), group.nominals.begin(), group.nominals.end());
     }
     if (const auto* table_1 = std::get_if<drive::Table1>(&robot_->tables().table_1)) {
-      a_ = drive::first<N>(table_1->dead_zone_half_width);
-      b_ = drive::first<N>(table_1->torque_limit);
       sampling_time_ = table_1->sampling_time;
     }
     scratch_.resize(robot_->n_states());
@@ -78,7 +77,9 @@ class RobotSystemOf final : public RobotSystem {
 
   void indicators(double t, const double* x, double* z) override {
     std::fill_n(z, n_indicators(), 1.0);
-    if (switches_electrically()) electrical_indicators(t, x, z);
+    electrical_.indicators(dead_zone, t, x, slot(z, of_dead_zone, 0));
+    electrical_.indicators(torque_limit, t, x, slot(z, of_torque_limit, 0));
+    electrical_.indicators(voltage_limit, t, x, slot(z, of_voltage_limit, 0));
     if (!robot_->has_real_gears()) return;
     const ConstView<E> delta = equations_.deflection(x);
     for (int i = 0; i < E; ++i) {
@@ -141,14 +142,7 @@ class RobotSystemOf final : public RobotSystem {
     freeze();
     // U', m' and delta' do not depend on the branches that they decide.
     equations_.derivatives(t, x, scratch_.data());
-    if constexpr (Axes::switches) {
-      for (int i = 0; switches_electrically() && i < N; ++i) {
-        const double U_rate = voltage(scratch_.data())[i];
-        if (a_[i] > 0.0) mode_.set(dead_zone, i, zone(voltage(x)[i], U_rate, a_[i]));
-        mode_.set(torque_limit, i, zone(pt2_torque(x)[i], pt2_torque(scratch_.data())[i], b_[i]));
-        mode_.set(voltage_limit, i, zone(voltage(x)[i], U_rate, voltage_limit_value()));
-      }
-    }
+    electrical_.initialise(x, scratch_.data());
     if (robot_->has_real_gears()) {
       const ConstView<E> delta = equations_.deflection(x);
       const ConstView<E> delta_rate = equations_.deflection(scratch_.data());
@@ -182,7 +176,7 @@ class RobotSystemOf final : public RobotSystem {
       equations_.derivatives(t, x, scratch_.data());
       for (const int indicator : cause.fired) cross(indicator, x, occasion);
     }
-    if (cause.time_event || cause.input_changed) look_at_voltage_limits(t, x);
+    if (cause.time_event || cause.input_changed) electrical_.after_jump(t, x);
     freeze();
     if (robot_->has_real_gears() && (occasion.jump || !cause.fired.empty())) {
       friction_.decide(t, x, occasion);
@@ -273,7 +267,7 @@ class RobotSystemOf final : public RobotSystem {
     signal(Signal::friction_torque) = now.torques.friction;
     signal(joint_torque) = equations_.p * now.torques.gear;
     if (robot_->has_controller()) {
-      signal(Signal::voltage) = voltage(x);
+      signal(Signal::voltage) = Axes::voltage_of(equations_.electrical(x));
     } else {
       signal(Signal::voltage).setConstant(not_available);
     }
@@ -284,23 +278,8 @@ class RobotSystemOf final : public RobotSystem {
   using Occasion = typename FrictionDecision<N, Axes>::Occasion;
   using Counter = typename Mode<N>::Counter;
 
-  bool switches_electrically() const { return Axes::switches && robot_->has_controller(); }
   bool is_sampled() const { return robot_->options().controller == Controller::sampled; }
   double creep_rate() const { return robot_->options().creep_rate; }
-  double voltage_limit_value() const { return robot_->options().voltage_limit; }
-
-  ConstView<N> voltage(const double* x) const {
-    if constexpr (Axes::switches) {
-      return Axes::of(equations_.electrical(x), drive::voltage);
-    } else {
-      return Axes::of(equations_.electrical(x), drive::modelica_voltage);
-    }
-  }
-  ConstView<N> pt2_torque(const double* x) const
-    requires(Axes::switches)
-  {
-    return Axes::of(equations_.electrical(x), drive::pt2_torque);
-  }
 
   // --- time events ------------------------------------------------------------------------------
 
@@ -350,66 +329,9 @@ class RobotSystemOf final : public RobotSystem {
     mode_.input() = equations_.command_from_motion(t, x);
   }
 
-  // --- zones and their edges --------------------------------------------------------------------
+  // --- crossings --------------------------------------------------------------------------------
 
   static double* slot(double* z, IndicatorRow row, int axis) { return z + row * 2 * N + 2 * axis; }
-
-  // Indicators of a zone from -half_width to +half_width: in the zone its upper and lower edge,
-  // outside the edge that leads back.
-  static void edges(int branch, double value, double half_width, double* z) {
-    if (branch == 0) {
-      z[0] = half_width - value;
-      z[1] = half_width + value;
-    } else {
-      z[0] = branch * value - half_width;
-    }
-  }
-
-  void electrical_indicators(double t, const double* x, double* z) const {
-    if constexpr (Axes::switches) {
-      const ConstView<N> U = voltage(x);
-      const ConstView<N> m = pt2_torque(x);
-      for (int i = 0; i < N; ++i) {
-        if (a_[i] > 0.0) edges(branch(dead_zone, i), U[i], a_[i], slot(z, of_dead_zone, i));
-        edges(branch(torque_limit, i), m[i], b_[i], slot(z, of_torque_limit, i));
-      }
-      if (std::isinf(voltage_limit_value())) return;
-      const PerAxis<N> outward = drive_of_voltage(t, x);
-      for (int i = 0; i < N; ++i) {
-        const int side = branch(voltage_limit, i);
-        double* of_limit = slot(z, of_voltage_limit, i);
-        if (side == 0) {
-          edges(0, U[i], voltage_limit_value(), of_limit);
-        } else {
-          of_limit[0] = side * outward[i];
-        }
-      }
-    }
-  }
-
-  PerAxis<N> drive_of_voltage(double t, const double* x) const
-    requires(Axes::switches)
-  {
-    return equations_.axes.drive_of_voltage(equations_.electrical(x), equations_.command(t, x));
-  }
-
-  // Where the command has jumped, U may leave its limit at once, or stay at it from now on.
-  void look_at_voltage_limits(double t, const double* x) {
-    if constexpr (Axes::switches) {
-      if (!switches_electrically() || std::isinf(voltage_limit_value())) return;
-      const PerAxis<N> outward = drive_of_voltage(t, x);
-      for (int i = 0; i < N; ++i) {
-        mode_.set(voltage_limit, i, zone(voltage(x)[i], outward[i], voltage_limit_value()));
-      }
-    }
-  }
-
-  // The branch of a value; on an edge it is where its rate leads.
-  static int zone(double value, double rate, double half_width) {
-    const bool outside =
-        std::abs(value) > half_width || (std::abs(value) == half_width && sign(value) * rate > 0.0);
-    return outside ? sign(value) : 0;
-  }
 
   // An indicator has left its domain.
   void cross(int indicator, double* x, Occasion& occasion) {
@@ -419,25 +341,17 @@ class RobotSystemOf final : public RobotSystem {
     const double* rates = scratch_.data();
     switch (row) {
       case of_dead_zone:
-        leave_zone(dead_zone, i, lower, voltage(rates)[i]);
+        electrical_.cross(dead_zone, i, lower, x, rates);
         break;
       case of_torque_limit:
-        if constexpr (Axes::switches) leave_zone(torque_limit, i, lower, pt2_torque(rates)[i]);
+        electrical_.cross(torque_limit, i, lower, x, rates);
         break;
       case of_voltage_limit:
-        if constexpr (Axes::switches) {
-          if (const int side = branch(voltage_limit, i); side != 0) {
-            mode_.set(voltage_limit, i, 0);
-            break;
-          }
-          leave_zone(voltage_limit, i, lower, voltage(rates)[i]);
-          if (const int side = branch(voltage_limit, i); side != 0) {
-            Axes::of(equations_.electrical(x), drive::voltage)[i] = side * voltage_limit_value();
-          }
-        }
+        electrical_.cross(voltage_limit, i, lower, x, rates);
         break;
       case of_backlash:
-        leave_zone(backlash, i, lower, equations_.deflection(rates)[i]);
+        mode_.set(backlash, i,
+                  zone_beyond(branch(backlash, i), lower, equations_.deflection(rates)[i]));
         // A damper that acts in contact only makes tau jump.
         occasion.jump |= equations_.gear.damping == drive::GearDamping::contact;
         break;
@@ -455,15 +369,6 @@ class RobotSystemOf final : public RobotSystem {
     }
   }
 
-  // A value has reached an edge: it changes the zone if it goes on, and has only touched the edge
-  // if it goes back. With zero rate it has been seen to go on.
-  void leave_zone(ElementKind kind, int axis, bool lower_edge, double rate) {
-    const bool inside = branch(kind, axis) == 0;
-    const int outside = inside ? (lower_edge ? -1 : +1) : branch(kind, axis);
-    const bool outward = rate == 0.0 ? inside : outside * rate > 0.0;
-    mode_.set(kind, axis, outward ? outside : 0);
-  }
-
   // rM, with the friction that holds sticking axes.
   PerAxis<N> friction_torque(double t, const double* x) const {
     for (int i = 0; i < N; ++i) {
@@ -476,13 +381,7 @@ class RobotSystemOf final : public RobotSystem {
 
   // Coefficients and inputs of the equations, from the mode.
   void freeze() {
-    if constexpr (Axes::switches) {
-      for (int i = 0; i < N; ++i) {
-        equations_.axes.motor.NL1.set_dead_zone(i, branch(dead_zone, i), a_[i]);
-        equations_.axes.motor.NL2.set_saturation(i, branch(torque_limit, i), b_[i]);
-        equations_.axes.rate_controller.free[i] = branch(voltage_limit, i) == 0 ? 1.0 : 0.0;
-      }
-    }
+    electrical_.freeze();
     if (robot_->has_real_gears()) {
       for (int i = 0; i < E; ++i) equations_.gear.set_branch(i, branch(backlash, i));
       friction_.freeze();
@@ -500,8 +399,8 @@ class RobotSystemOf final : public RobotSystem {
   Inputs inputs_;
   Equations<N, Axes> equations_;
   Mode<N> mode_;
+  ElectricalSwitches<N, Axes> electrical_;
   FrictionDecision<N, Axes> friction_;
-  PerAxis<N> a_ = PerAxis<N>::Zero(), b_ = PerAxis<N>::Zero();  // of NL1 and NL2
   double sampling_time_ = 0.0;
   std::vector<double> nominals_;
   std::vector<double> scratch_;

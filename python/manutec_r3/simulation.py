@@ -483,7 +483,6 @@ def _method(robot: Robot, method: Method | None) -> Method:
         raise ValueError(f"method: expected 'erk' or 'bdf', got {method!r}")
     if is_stiff and method != "bdf":
         raise ValueError(
-            f"method: expected 'bdf' for stiction={robot.stiction!r}, "
-            f"which no explicit method can follow, got {method!r}"
+            f"method: expected 'bdf' for stiction={robot.stiction!r}, which is stiff, got {method!r}"
         )
     return method
