@@ -188,7 +188,7 @@ class Robot:
     def replace(self, **changes: Any) -> "Robot":
         """Return a robot that differs in some arguments of the constructor.
 
-        What is given of tables is added to what this robot has replaced already, axis by axis.
+        Rows of tables are added to those that this robot has replaced already.
 
         Raises
         ------
@@ -208,9 +208,7 @@ class Robot:
                 same["load"] = None
         for name in TABLES:
             if isinstance(changes.get(name), Mapping) and same[name]:
-                now = replaced({name: self.parameters[name]}, {name: changes[name]})[name]
-                rows = {k: now[k] if k in same[name] else v for k, v in changes[name].items()}
-                changes[name] = {**same[name], **rows}
+                changes[name] = {**same[name], **changes[name]}
         return Robot(**(same | changes))
 
     # --- sizes and names ------------------------------------------------------------------------
