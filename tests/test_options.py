@@ -531,7 +531,7 @@ def disturbed(robot):
 def test_any_combination_of_options_is_refused_with_a_reason_or_runs_with_a_closing_balance(model):
     refused, ran = [], []
 
-    @settings(max_examples=40, deadline=None, derandomize=True)
+    @settings(max_examples=24, deadline=None, derandomize=True)
     @given(robots(model))
     def is_refused_or_runs(options):
         wrong = unfit(options)
