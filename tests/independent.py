@@ -951,7 +951,11 @@ class Hybrid:
         roundoff = 1e-9 * limit / self.robot.rotor_inertia
         self.piece[at_zero], self.armed[at_zero] = 0, False
         best = None
-        for combination in product((0, -1, 1), repeat=len(at_zero)):  # order of the last tie-break
+        # In the order of the last tie-break; most sticking axes first, behind which none is better.
+        combinations = product((0, -1, 1), repeat=len(at_zero))
+        for combination in sorted(combinations, key=lambda c: -c.count(0)):
+            if best is not None and combination.count(0) < best[0][0]:
+                break
             branches = list(zip(at_zero, combination, strict=True))
             if any(s == 0 and i in released for i, s in branches):
                 continue

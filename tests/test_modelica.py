@@ -15,6 +15,7 @@ import modelica
 import numpy as np
 import pytest
 from oracle_runs import ranges, sequence, times_of
+from scipy.linalg import expm
 
 import manutec_r3 as r3
 
@@ -213,3 +214,68 @@ def test_the_one_axis_has_the_modes_of_the_published_run(published_file):
     time, before, after = friction_changes(simulated("one-axis").events)
     assert (before, after) == (mode[switched].tolist(), mode[switched + 1].tolist())
     assert time == pytest.approx(published_file["time"][switched], **PUBLISHED_TIMES)
+
+
+# --- the arms, energy, and a closed form ----------------------------------------------------------
+
+
+def any_states(n_axes, n=20):
+    """Random angles, rates and accelerations."""
+    rng = np.random.default_rng(7)
+    shape = (n, n_axes)
+    return rng.uniform(-2.0, 2.0, shape), rng.normal(0.0, 2.0, shape), rng.normal(0.0, 10.0, shape)
+
+
+def test_the_arms_of_the_full_robot_are_those_of_modelica():
+    # The independent implementation keeps Modelica's frames, y up, joints displaced in z.
+    robot, arm = r3.Robot("full-robot"), modelica.FullArm()
+    rotors = np.diag(modelica.GEAR_RATIO**2 * modelica.ROTOR_INERTIA)
+    for q, qd, qdd in zip(*any_states(6), strict=True):
+        mass, bias = arm.equations(q, qd)
+        mass += rotors
+        # Roundoff of sums of some hundred terms.
+        assert robot.mass_matrix(q) == pytest.approx(mass, rel=0, abs=1e-11)
+        tau = robot.inverse_dynamics(q, qd, qdd)
+        assert tau == pytest.approx(mass @ qdd + bias, rel=0, abs=1e-10)
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("algorithm", ["composite", "articulated"])
+def test_forward_dynamics_of_both_kinds_undo_inverse_dynamics(model, algorithm):
+    robot = r3.Robot(model)
+    q, qd, qdd = any_states(robot.n_axes)
+    tau = robot.inverse_dynamics(q, qd, qdd)
+    again = robot.forward_dynamics(q, qd, tau, algorithm=algorithm)
+    assert again == pytest.approx(qdd, rel=1e-11, abs=1e-11)  # roundoff, times the condition of M
+
+
+def test_the_first_joint_of_the_full_robot_stands_as_high_and_the_second_as_far_as_specified():
+    robot = r3.Robot("full-robot")
+    pose = robot.link_poses(np.zeros(6))
+    # spec. M, "Arms": (0, 0.324, 0.3) with y up is (0, -0.3, 0.324) with z up.
+    assert pose[2, :3, 3] - pose[1, :3, 3] == pytest.approx([0.0, -0.3, 0.324], abs=1e-15)
+    assert pose[4, :3, 3] - pose[3, :3, 3] == pytest.approx([0.0, 0.155, 0.414], abs=1e-15)
+    load = robot.load_position(np.zeros(6)) - pose[6, :3, 3]
+    assert load == pytest.approx([0.1, -0.1, 0.25], abs=1e-15)
+
+
+def test_two_masses_move_as_their_closed_form():
+    # One axis, constant torque beyond friction: linear as long as the rotor slides forward.
+    p, c, d = modelica.GEAR_RATIO[1], modelica.STIFFNESS[1], modelica.DAMPING[1]
+    rotor, load = modelica.ROTOR_INERTIA[1], modelica.LOAD_INERTIA
+    robot, torque = r3.Robot("one-axis", controller=None), 2.0
+    result = r3.simulate(robot, None, 0.2, motor_torque=[torque], rtol=1e-11)
+    assert len(result.events) == 0
+    assert result.rotor_rate[1:].min() > 0.0
+    # x = (q, q', phi_m, w_m, 1) follows x' = A x.
+    A = np.zeros((5, 5))
+    A[0, 1] = A[2, 3] = 1.0
+    spring = np.array([p * c, p * d, -c, -d, 0.0])  # T
+    A[1], A[3] = -p * spring / load, spring / rotor
+    A[3, 3] -= modelica.SLOPE[1] / rotor
+    A[3, 4] += (torque - modelica.SLIDING_TORQUE[1]) / rotor
+    for t in np.linspace(0.0, 0.2, 9)[1:]:
+        x = expm(A * t) @ [0.0, 0.0, 0.0, 0.0, 1.0]
+        now = result.at(t)
+        got = [now.joint_angle, now.joint_rate, now.rotor_angle, now.rotor_rate]
+        assert np.ravel(got) == pytest.approx(x[:4], rel=1e-9, abs=1e-11)

@@ -1,11 +1,22 @@
 """Dry friction: sticking, break-away, reversal, and the choice among combinations."""
 
-from itertools import product
+from dataclasses import replace
+from functools import cache
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
-from independent import FRICTION_POINTS, GEAR_RATIO, STICKING_LIMIT, Hold, Hybrid, IndependentRobot
-from oracle_runs import ECCENTRIC, RUNS
+from independent import (
+    BACKLASH,
+    FRICTION_POINTS,
+    GEAR_RATIO,
+    STICKING_LIMIT,
+    STIFFNESS,
+    Hold,
+    Hybrid,
+    IndependentRobot,
+)
+from oracle_runs import ECCENTRIC, RUNS, ranges, sequence, times_of
 
 import manutec_r3 as r3
 
@@ -168,13 +179,13 @@ def test_friction_of_a_sliding_axis_follows_its_characteristic(result):
 AT_REST = (0.2, -0.3, 0.5, 0.7, -0.9, 0.4)
 
 
-def decide(model, **state):
+def decide(model, state, **options):
     """Branches of friction that the package and brute force decide from a state."""
     load = (7.0, ECCENTRIC)
-    robot = r3.Robot(model=model, load=r3.Load(*load))
+    robot = r3.Robot(model=model, load=r3.Load(*load), **options)
     motion = np.zeros(robot.n_axes)
     simulator = r3.Simulator(robot, r3.Hold(motion), start=robot.state_from(**state))
-    independent = IndependentRobot(model, *load)
+    independent = IndependentRobot(model, *load, **options)
     brute_force = Hybrid(independent, Hold(motion))
     brute_force.start(independent.state_from(**state))
     return simulator, brute_force
@@ -191,24 +202,56 @@ def test_any_state_with_resting_axes_is_decided_as_by_brute_force():
         torque = IndependentRobot(3, 7.0, ECCENTRIC).bias(q, qd) / GEAR_RATIO
         torque += rng.normal(0.0, 1.0, 6) * STICKING_LIMIT
         stretch = np.clip(torque, -3.0, 3.0) / [43.0, 8.0, 58.0, np.inf, np.inf, np.inf]
-        simulator, brute_force = decide(
-            3,
-            joint_angle=q,
-            joint_rate=qd,
-            rotor_angle=GEAR_RATIO * q + stretch,
-            motor_torque=torque,
-        )
-        np.testing.assert_array_equal(simulator.branches["friction"], brute_force.friction)
+        state = {
+            "joint_angle": q,
+            "joint_rate": qd,
+            "rotor_angle": GEAR_RATIO * q + stretch,
+            "motor_torque": torque,
+        }
+        simulator, brute_force = decide(3, state)
+        agree(simulator, brute_force)
         decisions.add(tuple(simulator.branches["friction"][3:]))
-        signals = brute_force.signals(0.0, simulator_state(simulator, brute_force))
-        # Accelerations are solved for in another way: roundoff, times the condition of M.
-        assert simulator.joint_acceleration == pytest.approx(
-            signals["joint_acceleration"], rel=1e-10, abs=1e-10
-        )
-        assert simulator.friction_torque == pytest.approx(
-            signals["friction_torque"], rel=1e-10, abs=1e-10
-        )
     assert decisions == set(product((-1, 0, 1), repeat=3))  # nothing was left out
+
+
+def test_carried_rotors_stick_or_slide_in_all_64_combinations_as_by_brute_force():
+    robot = IndependentRobot(3, 7.0, ECCENTRIC)
+    rng = np.random.default_rng(64)
+    combinations, joint_decisions, carried_decisions = set(), 0, 0
+    for slide in [*product((False, True), repeat=6)] * 3:
+        q = rng.uniform(-1.5, 1.5, 6)
+        # Gears roughly hold the arms; each motor pushes beyond that, as far as its axis would slide
+        # or stick alone.
+        torque = robot.bias(q, np.zeros(6)) / GEAR_RATIO
+        torque[:3] += rng.normal(0.0, 1.0, 3)
+        stretch = np.zeros(6)
+        stretch[:3] = torque[:3] / STIFFNESS + np.sign(torque[:3]) * BACKLASH
+        push = np.where(slide, rng.uniform(1.0, 1.7, 6), rng.uniform(0.0, 1.0, 6))
+        state = {
+            "joint_angle": q,
+            "rotor_angle": GEAR_RATIO * q + stretch,
+            "motor_torque": torque + push * rng.choice((-1, 1), 6) * STICKING_LIMIT,
+        }
+        simulator, brute_force = decide(3, state, rotor_coupling="full")
+        agree(simulator, brute_force)
+        slides = simulator.branches["friction"] != 0
+        combinations.add(tuple(slides))
+        joint_decisions += np.any(slides != slide)
+        load, start = simulator.robot.load, simulator.robot.state_from(**state)
+        fixed = r3.Simulator(r3.Robot(3, load), r3.Hold(np.zeros(6)), start=start)
+        carried_decisions += np.any(fixed.branches["friction"] != simulator.branches["friction"])
+    assert len(combinations) == 64  # nothing was left out
+    assert joint_decisions >= 20  # axes decide otherwise together
+    assert carried_decisions >= 3  # and otherwise again if rotors 1 to 3 are among them
+
+
+def agree(simulator, brute_force):
+    """Assert that both have decided alike, and what follows."""
+    np.testing.assert_array_equal(simulator.branches["friction"], brute_force.friction)
+    signals = brute_force.signals(0.0, simulator_state(simulator, brute_force))
+    # Accelerations are solved for in another way: roundoff, times the condition of M.
+    for name in ("joint_acceleration", "friction_torque"):
+        assert getattr(simulator, name) == pytest.approx(signals[name], rel=1e-10, abs=1e-10)
 
 
 def simulator_state(simulator, brute_force):
@@ -262,3 +305,132 @@ def test_the_sticking_limit_itself_still_holds():
         simulator = r3.Simulator(robot, r3.Hold(np.zeros(6)), start=start)
         branches = simulator.branches["friction"][:3]
         np.testing.assert_array_equal(branches, expected * np.array([1, -1, 1]))
+
+
+# --- springs and dampers that hold axes 4 to 6 ----------------------------------------------------
+
+SOFT = ["stiff-spring", "stiff-damper"]
+
+
+@cache
+def exact_run(name):
+    """A run with exact sticking, far more accurate than what it is compared with."""
+    return RUNS[name].simulate(rtol=1e-11)
+
+
+def soft_run(name, stiction, stiffness=1e7, **options):
+    """The same run with springs or dampers."""
+    soft = replace(RUNS[name], options={"stiction": stiction, "stiffness": stiffness})
+    return soft.simulate(**options)
+
+
+def difference(soft, exact):
+    """How far events [s] and angles (of each axis, relative to its range) are apart."""
+    assert sequence(soft.events) == sequence(exact.events)
+    times = np.linspace(0.0, soft.time[-1], 301)
+    angle, expected = soft.at(times).joint_angle, exact.at(times).joint_angle
+    apart = np.abs(times_of(soft.events) - times_of(exact.events))
+    return apart.max(), (np.abs(angle - expected) / ranges(expected)).max(axis=0)
+
+
+@pytest.mark.parametrize(
+    ("name", "stiction"),
+    [("section-10", "stiff-spring"), ("section-10", "stiff-damper"), ("3-quintic", "stiff-damper")],
+)
+def test_springs_and_dampers_hardly_differ_from_exact_sticking(name, stiction):
+    times, angles = difference(soft_run(name, stiction), exact_run(name))
+    # Required; measured are 9e-7 s and 4e-8 with springs, 7e-9 s and 2e-10 with dampers.
+    assert times <= 1e-5
+    assert angles.max() <= 1e-6
+
+
+@pytest.mark.parametrize(
+    ("name", "stiction", "stiffness", "times", "factor"),
+    [
+        # A damper lags behind by J / k: first order, as far as the tolerance lets it be seen.
+        ("section-10", "stiff-damper", (1e4, 1e5, 1e6), 7.1e-6, (9.5, 10.5)),
+        # A spring yields by rM / k, and rings the less the stiffer it is.
+        ("3-saturated", "stiff-spring", (1e3, 1e4), 1.8e-4, (9.0, 20.0)),
+    ],
+)
+def test_the_stiffer_the_nearer_to_exact_sticking(name, stiction, stiffness, times, factor):
+    runs = [soft_run(name, stiction, k, rtol=1e-9) for k in stiffness]
+    apart = [difference(run, exact_run(name))[0] for run in runs]
+    assert apart[0] == pytest.approx(times, rel=0.2)  # as measured: it is there to be seen
+    for softer, stiffer in pairwise(apart):
+        assert factor[0] <= softer / stiffer <= factor[1]
+
+
+@pytest.mark.parametrize("stiction", SOFT)
+def test_springs_and_dampers_take_over_the_torque_of_exact_sticking_and_do_not_ring(stiction):
+    # With tolerances far below its own, the formulas of order 3 amplify what springs ring with.
+    soft, exact = soft_run("section-10", stiction, rtol=1e-8), exact_run("section-10")
+    for samples in everywhere(soft):
+        expected = exact.at(samples.time)
+        near_events = np.abs(samples.time[:, None] - times_of(exact.events)).min(axis=1) < 1e-5
+        held = (samples.branches["friction"] == 0) & ~near_events[:, None]
+        assert held[:, 3:].sum() > 5000
+        error = np.abs(samples.friction_torque - expected.friction_torque) / STICKING_LIMIT
+        # Required; measured are 2e-5 with springs, 2e-6 with dampers.
+        assert error[held].max() <= 1e-3
+
+    captures = 0
+    pairs = zip(switches(soft), switches(exact), strict=True)
+    for (event, axis, _, after), (_, _, _, exactly_after) in pairs:
+        if event.after == 0 and axis >= 3:
+            torque = soft.friction_torque[after, axis]
+            expected = exact.friction_torque[exactly_after, axis]
+            assert torque == pytest.approx(expected, rel=0, abs=1e-4 * STICKING_LIMIT[axis])
+            captures += 1
+    assert captures >= 3
+
+
+RAMP = np.array([0.0, 0.0, 0.0, 2.7, -10.0, 0.85])  # N m/s: 0.1, 0.05 and 0.2 s to the limits
+
+
+@pytest.mark.parametrize("axis", [4, 5, 6])
+@pytest.mark.parametrize("stiction", ["exact", *SOFT])
+def test_axes_break_away_when_a_growing_torque_reaches_their_limit(stiction, axis):
+    # Upright nothing else acts, and what is held passes nothing on.
+    slope = RAMP * (np.arange(1, 7) == axis)
+    robot = r3.Robot(3, controller=None, stiction=stiction)
+    result = r3.simulate(robot, None, 0.3, motor_torque=lambda t: slope * t)
+    event = result.events[0]
+    assert event[1:] == (axis, "friction", 0, np.sign(slope[axis - 1]))
+    # Within the tolerance; a damper lags by 3e-11 s.
+    limit = STICKING_LIMIT[axis - 1] / np.abs(slope[axis - 1])
+    assert event.time == pytest.approx(limit, rel=0, abs=1e-12 if stiction == "exact" else 2e-7)
+
+
+@pytest.mark.parametrize("stiction", SOFT)
+def test_a_held_axis_yields_by_the_law_of_its_spring_or_damper(stiction):
+    k = 1e4
+    robot = r3.Robot(3, controller=None, stiction=stiction, stiffness=k)
+    result = r3.simulate(robot, None, 0.04, motor_torque=lambda t: RAMP * t)
+    t = np.linspace(0.0, 0.04, 21)[1:, None]
+    assert len(result.events) == 0
+    # rM = k (rq - rq_stick), or rM = k rq'; torques of other axes move none that is held.
+    yielded = {"stiff-spring": RAMP * t / k, "stiff-damper": RAMP * t**2 / (2.0 * k)}[stiction]
+    got = result.at(t.ravel()).rotor_angle[:, 3:]
+    assert got == pytest.approx(yielded[:, 3:], rel=0, abs=1e-3 * np.abs(yielded).max())
+
+
+@pytest.mark.parametrize("stiction", ["exact", *SOFT])
+def test_brakes_hold_exactly_whatever_holds_sticking_axes(stiction):
+    robot = r3.Robot(3, controller=None, stiction=stiction)
+    torque = np.array([0.0, 0.0, 0.0, 9.0, -9.0, 9.0])
+    result = r3.simulate(robot, None, 0.1, motor_torque=torque, brakes=[False] * 4 + [True] * 2)
+    # Axis 4 has no brake here, and slides.
+    assert result.joint_angle[-1, 3] < -0.1
+    for signal in ("joint_angle", "joint_rate", "joint_acceleration", "rotor_rate"):
+        np.testing.assert_array_equal(getattr(result, signal)[:, 4:], 0.0)
+
+
+@pytest.mark.parametrize("stiction", SOFT)
+def test_springs_and_dampers_are_integrated_by_the_implicit_method_alone(stiction):
+    robot, motion = r3.Robot(3, stiction=stiction), r3.Hold(np.zeros(6))
+    assert r3.Simulator(robot, motion).method == "bdf"
+    assert r3.Simulator(r3.Robot(3), motion).method == "erk"
+    message = f"^method: expected 'bdf' for stiction='{stiction}', .*explicit.*, got 'erk'$"
+    with pytest.raises(ValueError, match=message):
+        r3.Simulator(robot, motion, method="erk")
