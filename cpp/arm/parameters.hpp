@@ -41,6 +41,18 @@ struct Arm {
   Body body;
 
   bool operator==(const Arm&) const = default;
+
+  // Calls visit(symbol, unit, value) for each number of an arm.
+  template <class AnyArm, class Visit>
+  static void for_each_number(AnyArm& arm, Visit&& visit) {
+    visit("offset", "m", arm.offset);
+    visit("mass", "kg", arm.body.mass);
+    visit("centre_of_mass", "m", arm.body.centre);
+    visit("I11", "kg m^2", arm.body.I11);
+    visit("I22", "kg m^2", arm.body.I22);
+    visit("I33", "kg m^2", arm.body.I33);
+    visit("I13", "kg m^2", arm.body.I13);
+  }
 };
 
 inline constexpr double no_limit = std::numeric_limits<double>::infinity();
@@ -69,6 +81,18 @@ struct Table3 {
   double shoulder_height = 0.675;
 
   bool operator==(const Table3&) const = default;
+
+  // Calls visit(symbol, unit, row) for each row of a table; arms have units of their own.
+  template <class Table, class Visit>
+  static void for_each_row(Table& table, Visit&& visit) {
+    visit("arms", "", table.arms);
+    visit("lumped_arm_3", "", table.lumped_arm_3);
+    visit("rJ", "kg m^2", table.rotor_inertia);
+    visit("rn", "", table.rotor_axes);
+    visit("joint_limits", "rad", table.joint_limits);
+    visit("gravity", "m/s^2", table.gravity);
+    visit("shoulder_height", "m", table.shoulder_height);
+  }
 };
 
 // Throws std::invalid_argument, naming table, symbol and arm, unless these are rigid bodies: masses

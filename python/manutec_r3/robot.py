@@ -24,6 +24,8 @@ _OPTIONS = (
     "creep_rate",
     "voltage_limit",
 )
+# What they are if nothing is given is up to the model.
+_OPTIONS_OF_MODEL = ("rotor_coupling", "arm", "voltage_limit")
 
 
 @dataclass(frozen=True)
@@ -154,17 +156,16 @@ class Robot:
             object.__setattr__(self, "voltage_limit", limit)
         for name in TABLES:
             object.__setattr__(self, name, deepcopy(getattr(self, name)))
-        options = self._compiled.options  # the model's own, where nothing was given
-        for name in ("rotor_coupling", "arm"):
-            object.__setattr__(self, name, options[name])
+        for name in _OPTIONS_OF_MODEL:
+            object.__setattr__(self, name, self._compiled.options[name])
 
     @cached_property
     def _compiled(self) -> _core.Robot:
         options = {name: getattr(self, name) for name in _OPTIONS}
-        given = {k: v for k, v in options.items() if v is not None or k == "controller"}
-        tables = _core.default_tables(self.model)
+        given = {k: v for k, v in options.items() if v is not None or k not in _OPTIONS_OF_MODEL}
         changes = {name: getattr(self, name) for name in TABLES}
-        return _core.Robot(self.model, self.load._compiled, given, replaced(tables, changes))
+        tables = replaced(_core.default_tables(self.model), changes, _core.table_units(self.model))
+        return _core.Robot(self.model, self.load._compiled, given, tables)
 
     def __getstate__(self) -> dict:
         return {name: value for name, value in self.__dict__.items() if name != "_compiled"}
@@ -188,7 +189,7 @@ class Robot:
     def replace(self, **changes: Any) -> "Robot":
         """Return a robot that differs in some arguments of the constructor.
 
-        Rows of tables are added to those that this robot has replaced already.
+        Entries of tables are added to those that this robot has replaced already.
 
         Raises
         ------
@@ -208,7 +209,9 @@ class Robot:
                 same["load"] = None
         for name in TABLES:
             if isinstance(changes.get(name), Mapping) and same[name]:
-                changes[name] = {**same[name], **changes[name]}
+                new = {name: changes[name]}
+                rows = replaced(self.parameters, new, _core.table_units(self.model))[name]
+                changes[name] = {**same[name], **{symbol: rows[symbol] for symbol in changes[name]}}
         return Robot(**(same | changes))
 
     # --- sizes and names ------------------------------------------------------------------------

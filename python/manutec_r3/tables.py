@@ -10,20 +10,23 @@ from .arguments import floats, number
 
 TABLES = ("table_1", "table_2", "table_3")
 
-# One body, not one per axis.
-_BODIES = ("lumped_arm_3",)
+Units = Mapping[str, str]
 
 
-def replaced(tables: dict[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+def replaced(
+    tables: Mapping[str, Any], changes: Mapping[str, Any], units: Mapping[str, Units]
+) -> dict[str, Any]:
     """Return tables in which rows are replaced.
 
     Parameters
     ----------
-    tables : dict
+    tables : mapping
         ``table_1`` to ``table_3`` as `Robot.parameters` shows them.
     changes : mapping
         The same names with the rows to replace. A row of one entry per axis is given as a sequence
         of all of them, as a mapping of axes (from 1) to entries, or as one number for all.
+    units : mapping
+        The same names with the units of their symbols.
 
     Raises
     ------
@@ -42,61 +45,60 @@ def replaced(tables: dict[str, Any], changes: Mapping[str, Any]) -> dict[str, An
             _check_known(name, symbol, tables[name])
             where = f"{name} {symbol}"
             old = tables[name][symbol]
-            if symbol in _BODIES:
-                new = _entry(where, old, value)
-            elif isinstance(old, list | tuple):
-                new = _row(where, old, value)
+            if isinstance(old, list | tuple):
+                new = _row(where, symbol, old, value, units[name])
             else:
-                new = number(where, value, "SI")
+                new = _entry(where, symbol, old, value, units[name])
             result[name][symbol] = new
     return result
 
 
-def _row(where: str, old: Sequence, new: Any) -> Sequence:
+def _row(where: str, symbol: str, old: Sequence, new: Any, units: Units) -> Sequence:
     """One entry per axis."""
     n = len(old)
+
+    def entry(axis: int, given: Any) -> Any:
+        return _entry(f"{where} of axis {axis}", symbol, old[axis - 1], given, units)
+
     if isinstance(new, Mapping):
         row = list(old)
-        for axis, entry in new.items():
+        for axis, given in new.items():
             if isinstance(axis, bool) or not isinstance(axis, int | np.integer):
                 raise TypeError(f"{where}: expected the number of an axis, got {axis!r}")
             if not 1 <= axis <= n:
-                raise ValueError(f"{where}: expected an axis from 1 to {n}, got {axis}")
-            row[axis - 1] = _entry(f"{where} of axis {axis}", old[axis - 1], entry)
+                axes = f"an axis from 1 to {n}" if n > 1 else "axis 1 only"
+                raise ValueError(f"{where}: expected {axes}, got {axis}")
+            row[axis - 1] = entry(axis, given)
         return row
     if isinstance(old[0], float) and np.ndim(new) == 0 and not isinstance(new, str):
         new = [new] * n
     if isinstance(new, str) or not isinstance(new, Sequence | np.ndarray) or len(new) != n:
+        entries = f"{n} entries, one per axis," if n > 1 else "one entry"
         raise ValueError(
-            f"{where}: expected {n} entries, one per axis, or a mapping of axes to entries, "
-            f"got {new!r}"
+            f"{where}: expected {entries} or a mapping of axes to entries, got {new!r}"
         )
-    return [
-        _entry(f"{where} of axis {axis}", entry, given)
-        for axis, (entry, given) in enumerate(zip(old, new, strict=True), start=1)
-    ]
+    return [entry(axis, given) for axis, given in enumerate(new, start=1)]
 
 
-def _entry(where: str, old: Any, new: Any) -> Any:
+def _entry(where: str, symbol: str, old: Any, new: Any, units: Units) -> Any:
     """Check what takes the place of a number, an arm, points of friction, or a letter."""
     if isinstance(old, dict):
         if not isinstance(new, Mapping):
             raise TypeError(f"{where}: expected a mapping of symbols to values, got {new!r}")
         arm = dict(old)
-        for symbol, value in new.items():
-            _check_known(where, symbol, old)
-            arm[symbol] = _entry(f"{where}, {symbol}", old[symbol], value)
+        for inner, value in new.items():
+            _check_known(where, inner, old)
+            arm[inner] = _entry(f"{where}, {inner}", inner, old[inner], value, units)
         return arm
-    if isinstance(old, str):
-        if " rn " in where:
-            return str(new)
+    if symbol == "axis":
         if new != old:
             raise ValueError(f"{where}: expected {old!r}, which cannot be replaced, got {new!r}")
         return old
-    if not isinstance(old, list | tuple):
-        # A joint limit may be infinite, which means none.
-        return np.inf if "joint_limits" in where and new == np.inf else number(where, new, "SI")
-    if isinstance(old[0], tuple):
+    if symbol == "rn":
+        if not isinstance(new, str) or new not in ("x", "y", "z"):
+            raise ValueError(f"{where}: expected 'x', 'y' or 'z', got {new!r}")
+        return new
+    if symbol == "friction":
         points = floats(where, new, "rad/s, N m")
         if points.ndim != 2 or points.shape[1] != 2:
             raise ValueError(
@@ -104,9 +106,16 @@ def _entry(where: str, old: Any, new: Any) -> Any:
                 f"got shape {points.shape}"
             )
         return points.tolist()
-    coordinates = floats(where, new, "m")
+    unit = units[symbol]
+    if not isinstance(old, list | tuple):
+        # A joint limit may be infinite, which means none.
+        is_no_limit = symbol == "joint_limits" and isinstance(new, float) and new == np.inf
+        return new if is_no_limit else number(where, new, unit)
+    coordinates = floats(where, new, unit)
     if coordinates.shape != (3,):
-        raise ValueError(f"{where}: expected three coordinates [m], got shape {coordinates.shape}")
+        raise ValueError(
+            f"{where}: expected three coordinates [{unit}], got shape {coordinates.shape}"
+        )
     return coordinates.tolist()
 
 
