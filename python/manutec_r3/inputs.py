@@ -141,6 +141,8 @@ def gather(
                 f"{other}: expected a robot with controller={needed} to set it, "
                 f"got controller={robot.controller!r}"
             )
+    if given.get("tip_force") is not None:
+        check_has_tip(robot)
     functions, held = [], []
     for which in (name, "tip_force"):
         value = given.get(which)
@@ -162,6 +164,12 @@ def one_per_axis(name: str, value: Sequence[float], unit: str, n_axes: int) -> n
     if array.ndim != 1:
         raise ValueError(f"{name}: expected {n_axes} values [{unit}], got shape {array.shape}")
     return array
+
+
+def check_has_tip(robot: Robot) -> None:
+    """Refuse the robot that is an axis alone: a force would do nothing."""
+    if robot.n_axes == 1:
+        raise ValueError(f"tip_force: expected none for model {robot.model}, which has no tip")
 
 
 def force(value: Sequence[float]) -> np.ndarray:

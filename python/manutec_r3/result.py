@@ -27,7 +27,7 @@ class Statistics:
     steps, rejected_steps : int
         Accepted; rejected by the error control.
     events : int
-        Branches that switched and knots of the reference.
+        Branches that switched, knots of the reference, and samples if they are listed.
     restarts : int
         Of the integration: one for all events of an instant, one for each kink of the friction
         characteristic, one when a rotor 1 to 3 has clearly broken away (its creep is watched then).
@@ -124,7 +124,7 @@ class Result(Samples):
     robot : Robot
         What was simulated.
     motion : Motion or None
-        Its reference.
+        Its reference; without one `reference_angle`, `reference_rate` and `control_error` are NaN.
     t_end : float
         Where the run ended [s].
     method : {"erk", "bdf"}
@@ -132,7 +132,8 @@ class Result(Samples):
     rtol : float
         Its tolerance, relative to the states' nominal values as well as to their values.
     events : Events
-        Every switch of every branch; if asked for, when limits are exceeded and kept again.
+        Every switch of every branch and every knot of the reference; if asked for, the samples of a
+        sampled controller, and when limits are exceeded and kept again.
     statistics : Statistics
         What it took.
     status : str
