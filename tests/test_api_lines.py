@@ -53,6 +53,70 @@ def test_without_controller_there_is_nothing_electrical(model, n_states, n_indic
     assert not {"voltage[1]", "filter[1]", "pt2_torque[1]"} & set(robot.state_names)
 
 
+@pytest.mark.parametrize(
+    ("model", "controller", "n_axes", "n_states", "n_indicators"),
+    [
+        *((1, "continuous", 6, 60, 24), (2, "continuous", 3, 30, 12)),
+        *((3, "continuous", 6, 66, 42), (4, "continuous", 3, 36, 24)),
+        *((3, "sampled", 6, 66, 42), (4, "external", 3, 36, 24)),
+        # the Modelica variant: no dead zones, no limits, no backlash
+        *(("full-robot", "continuous", 6, 36, 18), ("one-axis", "continuous", 1, 7, 4)),
+        *(("full-robot", None, 6, 18, 18), ("one-axis", None, 1, 4, 4)),
+    ],
+)
+def test_each_model_has_its_size(model, controller, n_axes, n_states, n_indicators):
+    robot = r3.Robot(model=model, controller=controller)
+    assert (robot.n_axes, robot.n_states, robot.n_indicators) == (n_axes, n_states, n_indicators)
+    for names in (robot.state_names, robot.state_units, robot.state_nominals):
+        assert len(names) == n_states
+    assert len(set(robot.indicator_names)) == n_indicators
+
+
+def test_options_of_a_robot():
+    r3.Robot(model=3, controller="sampled")
+    r3.Robot(model=3, rotor_coupling="full")
+    r3.Robot(model=3, gear_damping="contact")
+    r3.Robot(model=3, stiction="stiff-spring")
+    r3.Robot(model=2, arm="six-arm")
+    usual = r3.Robot(model=3)
+    assert usual.controller == "continuous"
+    assert usual.rotor_coupling == ("simplified",) * 3 + ("full",) * 3
+    assert (usual.gear_damping, usual.stiction, usual.arm) == ("parallel", "exact", "six-arm")
+    assert r3.Robot(model=1).rotor_coupling == ("full",) * 6
+    assert r3.Robot(model=2).arm == r3.Robot(model=4).arm == "lumped"
+    assert r3.Robot(model=3, rotor_coupling="full").rotor_coupling == ("full",) * 6
+    assert r3.Robot(model=4, rotor_coupling=["full"] * 3).rotor_coupling == ("full",) * 3
+
+
+OPTIONS = [
+    {"controller": "sampled"},
+    {"controller": "external"},
+    {"controller": None},
+    {"rotor_coupling": "full"},
+    {"rotor_coupling": ("full", "simplified") * 3},
+    {"gear_damping": "contact"},
+    {"stiction": "stiff-spring"},
+    {"stiction": "stiff-damper", "stiffness": 1e6},
+    {"creep_rate": 0.0},
+    {"voltage_limit": 5.0},
+    {"table_1": {"K_V": 0.25}},
+    {"table_3": {"rn": {2: "z"}}},
+]
+
+
+@pytest.mark.parametrize("options", OPTIONS, ids=repr)
+def test_a_robot_that_differs_in_an_option_is_another(options):
+    robot = r3.Robot(model=3, **options)
+    assert robot != r3.Robot(model=3)
+    assert robot == r3.Robot(model=3, **options)
+    assert hash(robot) == hash(r3.Robot(model=3, **options))
+    again = pickle.loads(pickle.dumps(robot))
+    assert again == robot
+    assert (repr(again), again.parameters) == (repr(robot), robot.parameters)
+    assert eval(repr(robot), vars(r3)) == robot
+    assert r3.Robot(model=3).replace(**options) == robot
+
+
 def test_states_are_grouped_by_quantity_with_the_axis_fastest():
     assert (robot.n_axes, robot.n_states, robot.n_indicators) == (6, 66, 42)
     assert len(robot.indicator_names) == 42
@@ -340,6 +404,62 @@ def test_arrays_outlive_their_result():
     np.testing.assert_array_equal(angle, expected)
 
 
+def test_a_sampled_run_counts_its_samples_and_lists_them_if_asked():
+    robot = r3.Robot(model=4, controller="sampled")
+    hold = r3.Hold([0.1, 0.2, 0.3])
+    result = r3.simulate(robot, hold, t_end=0.05)
+    assert result.statistics.samples == 6  # at 8, 16, ..., 48 ms; the one at the start is none
+    assert "sample" not in result.events.element
+    listed = r3.simulate(robot, hold, t_end=0.05, list_samples=True)
+    samples = [event for event in listed.events if event.element == "sample"]
+    assert [(e.axis, e.before, e.after) for e in samples] == [(0, 0, 0)] * 6
+    np.testing.assert_array_equal([e.time for e in samples], 0.008 * np.arange(1, 7))
+    assert [e for e in listed.events if e.element != "sample"] == list(result.events)
+    assert listed.statistics.samples == 6
+    # listing changes nothing; an instant of an event stands twice
+    np.testing.assert_array_equal(listed.at(result.time).state, result.at(result.time).state)
+
+
+def by_sine(t):
+    return [np.sin(40.0 * t), 0.5, -0.2]
+
+
+def test_inputs_are_held_or_functions_of_time():
+    robot = r3.Robot(model=2, controller=None)
+    held = r3.simulate(robot, None, t_end=0.05, motor_torque=[1.0, 2.0, 0.5])
+    np.testing.assert_array_equal(held.motor_torque, np.tile([1.0, 2.0, 0.5], (len(held.time), 1)))
+    moving = r3.simulate(robot, None, t_end=0.05, motor_torque=by_sine)
+    np.testing.assert_array_equal(moving.motor_torque, [by_sine(t) for t in moving.time])
+    with_knot = r3.simulate(robot, None, t_end=0.05, motor_torque=r3.Input(by_sine, knots=[0.02]))
+    assert 0.02 in with_knot.time
+    np.testing.assert_array_equal(with_knot.motor_torque, [by_sine(t) for t in with_knot.time])
+
+
+@pytest.mark.parametrize(
+    "run",
+    [
+        lambda: r3.simulate(r3.Robot(3, controller="sampled"), HOLD, 0.03, list_samples=True),
+        lambda: r3.simulate(
+            r3.Robot(2, controller=None), None, 0.03, motor_torque=r3.Input(by_sine, [0.02])
+        ),
+        lambda: r3.simulate(robot, HOLD, 0.03, tip_force=[10.0, 0.0, -20.0], brakes=True),
+        lambda: r3.simulate(r3.Robot("one-axis"), r3.Quintic([0.0], [0.1], 0.1), 0.15),
+        lambda: r3.simulate(r3.Robot(4, voltage_limit=1.5), motion_of(3, end=0.2), 0.1),
+    ],
+    ids=["samples", "function", "force-and-brakes", "one-axis", "voltage-limit"],
+)
+def test_a_run_with_options_and_inputs_survives_pickling(run):
+    result = run()
+    again = pickle.loads(pickle.dumps(result))
+    assert again.events == result.events
+    assert again.robot == result.robot
+    assert again.motion == result.motion
+    for name in (*SIGNALS, "state"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(result, name))
+        at = getattr(again.at(0.0123), name)
+        np.testing.assert_array_equal(at, getattr(result.at(0.0123), name))
+
+
 # --- step by step -------------------------------------------------------------------------------
 
 
@@ -400,6 +520,37 @@ def test_what_was_saved_outlives_its_simulator():
     np.testing.assert_array_equal(other.state, at_save)
 
 
+def test_held_inputs_are_saved_and_restored():
+    sim = r3.Simulator(robot, HOLD)
+    sim.tip_force, sim.brakes = [10.0, 0.0, -20.0], [False] * 3 + [True, False, True]
+    sim.step(0.01)
+    saved = sim.save()
+    expected = sim.step(0.1), sim.state
+    sim.tip_force, sim.brakes = [0.0] * 3, False
+    other = r3.Simulator(robot, HOLD)
+    for restored in (sim, other):
+        restored.restore(saved)
+        np.testing.assert_array_equal(restored.tip_force, [10.0, 0.0, -20.0])
+        np.testing.assert_array_equal(restored.brakes, [False] * 3 + [True, False, True])
+        assert restored.step(0.1) == expected[0]
+        np.testing.assert_array_equal(restored.state, expected[1])
+    external = r3.Simulator(r3.Robot(model=4, controller="external"))
+    external.command = [0.1, 0.2, 0.3]
+    saved = external.save()
+    external.command = [0.0] * 3
+    external.restore(saved)
+    np.testing.assert_array_equal(external.command, [0.1, 0.2, 0.3])
+
+
+def test_a_state_with_another_input_of_time_is_refused():
+    robot = r3.Robot(model=2, controller=None)
+    saved = r3.Simulator(robot, motor_torque=by_sine).save()
+    r3.Simulator(robot, motor_torque=by_sine).restore(saved)
+    message = "saved: expected .* with motor_torque None; got one with motor_torque Input"
+    with pytest.raises(ValueError, match=message):
+        r3.Simulator(robot).restore(saved)
+
+
 def test_what_another_robot_saved_is_refused():
     saved = r3.Simulator(robot, motion).save()
     other = r3.Simulator(r3.Robot(model=2), r3.Hold([0] * 3))
@@ -441,6 +592,60 @@ def test_motor_torques_are_inputs_without_a_controller():
     np.testing.assert_array_equal(sim.motor_torque, [1.0, 2.0, 0.5])  # held
 
 
+def test_commands_are_inputs_of_an_external_controller():
+    sim = r3.Simulator(r3.Robot(model=3, controller="external"))
+    np.testing.assert_array_equal(sim.command, 0.0)
+    sim.command = [0.1] * 6
+    sim.step(8e-3)
+    np.testing.assert_array_equal(sim.command, 0.1)  # V, held
+    assert (sim.voltage > 0.1).all()  # the rate controllers integrate it
+    assert np.isnan(sim.control_error).all()
+
+
+def test_a_sampled_controller_shows_the_command_that_it_holds():
+    sim = r3.Simulator(r3.Robot(model=3, controller="sampled"), motion)
+    sim.step(0.1)
+    held = sim.command
+    sim.step(3e-3)  # to 0.103 s; the next sample is at 0.104 s
+    np.testing.assert_array_equal(sim.command, held)
+    sim.step(2e-3)
+    assert (sim.command != held).any()
+
+
+def test_samples_end_a_step_to_an_event_only_if_they_are_listed():
+    robot, hold = r3.Robot(model=4, controller="sampled"), r3.Hold([0.1, 0.2, 0.3])
+    sim = r3.Simulator(robot, hold, list_samples=True)
+    assert sim.step_to_event() == (0.008, 0, "sample", 0, 0)
+    sim = r3.Simulator(robot, hold)
+    event = sim.step_to_event()
+    assert event is None or event.element != "sample"
+    assert sim.statistics["samples"] == int(sim.time / 0.008)
+
+
+def test_a_function_that_raises_is_heard_unchanged_and_the_simulator_goes_on():
+    class Mine(Exception):
+        pass
+
+    def torque(t):
+        if t > 0.01 and broken:
+            raise Mine("sensor", t)
+        return [1.0, 0.0, 0.0]
+
+    robot, broken = r3.Robot(model=2, controller=None), True
+    sim = r3.Simulator(robot, motor_torque=torque)
+    with pytest.raises(Mine) as caught:
+        sim.step(0.02)
+    assert caught.value.args[0] == "sensor"
+    assert sim.time <= 0.01
+    with pytest.raises(Mine):
+        r3.simulate(robot, None, 0.02, motor_torque=torque)
+    broken = False
+    sim.step(0.02 - sim.time)
+    whole = r3.Simulator(robot, motor_torque=torque)
+    whole.step(0.02)
+    np.testing.assert_array_equal(sim.state, whole.state)
+
+
 def test_setting_an_input_decides_branches_at_once():
     sim = r3.Simulator(r3.Robot(model=3, controller=None))
     sim.step(0.01)
@@ -468,9 +673,9 @@ def test_the_events_of_one_instant_follow_without_advance():
 # --- the arm alone ------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("model", [1, 2, 3, 4])
+@pytest.mark.parametrize("model", [1, 2, 3, 4, "full-robot", "one-axis"])
 def test_the_arm_alone_for_one_pose_or_many(model):
-    robot = r3.Robot(model=model, load=load)
+    robot = r3.Robot(model=model)
     n = robot.n_axes
     random = np.random.default_rng(1)
     q, qd, tau = random.uniform(-1.0, 1.0, (3, 5, 2, n))
@@ -518,6 +723,19 @@ def test_a_scenario_is_the_same_run(result):
     np.testing.assert_array_equal(scenario.state, result.state)
 
 
+def test_the_modelica_variant_is_a_scenario_with_the_same_result_type():
+    assert {"full-robot", "one-axis"} <= set(r3.scenarios())
+    result = r3.Scenario.load("full-robot").run(rtol=1e-8)
+    assert isinstance(result, r3.Result)
+    assert result.rtol == 1e-8
+    assert result.time[-1] == result.t_end == r3.Scenario.load("full-robot").t_end
+    for name in SIGNALS:
+        assert getattr(result, name).shape == (len(result.time), 6), name
+        assert np.isfinite(getattr(result, name)).all(), name
+    assert set(result.events.element) == {"friction", "reference"}
+    np.testing.assert_array_equal(result.control_error[0], 0.0)  # the joints are on the reference
+
+
 def test_the_command_runs_figure9(result, tmp_path):
     command = [sys.executable, "-c", "from manutec_r3.command_line import main; main()"]
     done = subprocess.run(
@@ -547,6 +765,27 @@ def set_torque(torque, controller=None):
     simulator(2, controller).motor_torque = torque
 
 
+def set_input(robot, name, value, **options):
+    setattr(r3.Simulator(robot, HOLD, **options), name, value)
+
+
+def pushed(torque):
+    return r3.simulate(r3.Robot(model=2, controller=None), None, 0.01, motor_torque=torque)
+
+
+def beyond_voltage_limit(voltage):
+    """A state in which the voltage of axis 2 is this."""
+    start = robot.rest_state(HOLD)
+    start[robot.state_names.index("voltage[2]")] = voltage
+    return start
+
+
+def braked_while_it_moves():
+    sim = r3.Simulator(robot, motion)
+    sim.step(0.5)
+    sim.brakes = True
+
+
 # each: what is done; what the message says of field, axis, unit, expected and arrived value
 BAD = [
     # robot and load
@@ -556,7 +795,77 @@ BAD = [
         r"model: expected 1, 2, 3, 4, 'full-robot' or 'one-axis', got '3'",
     ),
     (lambda: r3.Robot(load=15.0), r"load: expected a Load, got 15\.0"),
+    (lambda: r3.Robot(model=10**30), r"model: expected 1, 2, 3, 4, .*, got 10000"),
+    (lambda: r3.Robot(model=True), r"model: expected 1, 2, 3, 4, .*, got True"),
     (lambda: r3.Robot(controller="pid"), r"controller: expected .*'continuous'.*, got 'pid'"),
+    (lambda: r3.Robot(controller=True), r"controller: expected .* or None, got True"),
+    (
+        lambda: r3.Robot(rotor_coupling="half"),
+        r"rotor_coupling: expected 'full' or 'simplified', got 'half'",
+    ),
+    (
+        lambda: r3.Robot(rotor_coupling=["full"] * 3),
+        r"rotor_coupling: expected 'full', 'simplified' or 6 of them, got \['full', 'f.*\]",
+    ),
+    (
+        lambda: r3.Robot(rotor_coupling=["full"] * 5 + [None]),
+        r"rotor_coupling of axis 6: expected 'full' or 'simplified', got None",
+    ),
+    (
+        lambda: r3.Robot(gear_damping=None),
+        r"gear_damping: expected 'parallel' or 'contact', got None",
+    ),
+    (
+        lambda: r3.Robot(stiction=None),
+        r"stiction: expected 'exact', .* or 'stiff-damper', got None",
+    ),
+    (lambda: r3.Robot(stiffness=0.0), r"stiffness: expected a positive .*\[N m/rad, .*\], got 0"),
+    (lambda: r3.Robot(stiffness=NAN), r"stiffness: expected a finite .*\[N m/rad, .*\], got nan"),
+    (lambda: r3.Robot(stiffness=True), r"stiffness: expected one number .*\], got True"),
+    (lambda: r3.Robot(creep_rate=-1.0), r"creep_rate: expected .*0 rad/s or more, got -1"),
+    (lambda: r3.Robot(creep_rate="1"), r"creep_rate: expected one number \[rad/s\], got '1'"),
+    (lambda: r3.Robot(voltage_limit=-1.0), r"voltage_limit: expected a positive .*\[V\], got -1"),
+    (lambda: r3.Robot(voltage_limit=INF), r"voltage_limit: expected a finite .*\[V\], got inf"),
+    (
+        lambda: r3.Robot(voltage_limit=0.09),
+        r"voltage_limit: expected more than .*0\.096 V, got 0\.09 V",
+    ),
+    (lambda: r3.Robot(2, arm="six"), r"arm: expected 'lumped' or 'six-arm', got 'six'"),
+    # options that a model does not have
+    (
+        lambda: r3.Robot(1, gear_damping="contact"),
+        r"gear_damping: expected 'parallel' for model 1, whose gears are ideal, got 'contact'",
+    ),
+    (
+        lambda: r3.Robot(2, stiction="stiff-spring"),
+        r"stiction: expected 'exact' for model 2, which has no friction, got 'stiff-spring'",
+    ),
+    (
+        lambda: r3.Robot(4, stiction="stiff-damper"),
+        r"stiction: expected 'exact' for model 4, whose gears are all elastic, got 'stiff-damper'",
+    ),
+    (
+        lambda: r3.Robot(3, arm="lumped"),
+        r"arm: expected 'six-arm' for model 3, whose joints 4 to 6 are not blocked, got 'lumped'",
+    ),
+    (
+        lambda: r3.Robot("full-robot", controller="sampled"),
+        r"controller: expected 'continuous' or None for model full-robot, got 'sampled'",
+    ),
+    (
+        lambda: r3.Robot("full-robot", rotor_coupling="full"),
+        r"rotor_coupling of axis 1: expected 'simplified' for model full-robot, .*, got 'full'",
+    ),
+    (
+        lambda: r3.Robot("one-axis", voltage_limit=5.0),
+        r"voltage_limit: expected none for model one-axis, .* rate controllers .*, got 5",
+    ),
+    (
+        lambda: r3.Robot(3, controller=None, voltage_limit=5.0),
+        r"voltage_limit: expected none with controller=None, .* rate controllers .*, got 5",
+    ),
+    (lambda: r3.Robot("one-axis", load=load), r"load: expected none for model one-axis; .*inertia"),
+    (lambda: r3.Robot().replace(stictoin="exact"), r"replace: expected one of .*, got 'stictoin'"),
     (lambda: r3.Load(-1.0), r"load\.mass: expected .*0 kg.*, got -1 kg"),
     (lambda: r3.Load(15.1), r"load\.mass: expected 0 to 15 kg, got 15\.1 kg"),
     (lambda: r3.Load(NAN), r"load\.mass: expected .*finite.*\[kg\], got nan"),
@@ -613,9 +922,26 @@ BAD = [
         lambda: simulate(r3.Robot(model=4), motion),
         r"motion of axis 4: expected exactly 0 rad, where model 4 has a brake",
     ),
+    (
+        lambda: simulate(r3.Robot("one-axis"), r3.Hold([0.0] * 3)),
+        r"motion: expected 1 axis for model one-axis, got 3",
+    ),
+    (
+        lambda: simulate(r3.Robot("full-robot"), r3.Hold([0.0])),
+        r"motion: expected 6 axes for model full-robot, got 1",
+    ),
+    (
+        lambda: simulate(r3.Robot(2), r3.Hold([0.0])),
+        r"motion: expected 3 axes for model 2, got 1",
+    ),
+    (lambda: simulate(r3.Robot("one-axis"), None), r"motion: expected a motion .*, got None"),
     (lambda: simulate(rtol=0.0), r"rtol: expected .*1e-14 to 1e-2, got 0"),
     (lambda: simulate(rtol=NAN), r"rtol: expected .*finite.*got nan"),
     (lambda: simulate(method="euler"), r"method: expected 'erk' or 'bdf', got 'euler'"),
+    (
+        lambda: simulate(r3.Robot(stiction="stiff-spring"), method="erk"),
+        r"method: expected 'bdf' for stiction='stiff-spring', .*, got 'erk'",
+    ),
     (lambda: simulate(start="wheel"), r"start: expected 'rotor', 'arm' or a state.*, got 'wheel'"),
     (lambda: simulate(start=[0.0] * 60), r"start: expected a state vector of 66 values, got .*60"),
     (
@@ -627,11 +953,70 @@ BAD = [
         lambda: simulate(start=[0.0] * 15 + [INF] + [0.0] * 50),
         r"start: expected a finite rotor_rate of axis 1 \[rad/s\], got inf",
     ),
+    (
+        lambda: simulate(r3.Robot(voltage_limit=2.0), start=beyond_voltage_limit(2.5)),
+        r"start: expected .*voltage of axis 2 \[V\] within its limit 2, got 2\.5",
+    ),
+    (
+        lambda: simulate(r3.Robot(load=load, voltage_limit=0.5), r3.Hold([0, 1.5, 0, 0, 0, 0])),
+        r"start: the rate controller of axis 2 would need .* V .*; expected at most 0\.5 V",
+    ),
+    (lambda: simulate(list_samples=1), r"list_samples: expected True or False, got 1"),
+    (lambda: simulate(progress=3), r"progress: expected a function of the time, got 3"),
     (lambda: simulate(times=[-1.0]), r"times: expected .*0 to 0\.01 s, got -1 s"),
     (lambda: simulate(times=[0.0, 0.02]), r"times: expected .*0 to 0\.01 s, got 0\.02 s"),
     (lambda: simulate(times=[NAN]), r"times: expected finite .*\[s\], got nan"),
     (lambda: simulate().at(0.02), r"times: expected .*0 to 0\.01 s, got 0\.02 s"),
     (lambda: simulate().at([0.0, NAN]), r"times: expected finite .*\[s\], got nan"),
+    # inputs
+    (
+        lambda: simulate(motor_torque=[0.0] * 6),
+        r"motor_torque: expected a robot with controller=None .*, got controller='continuous'",
+    ),
+    (
+        lambda: simulate(r3.Robot(controller="sampled"), command=[0.0] * 6),
+        r"command: expected a robot with controller='external' .*, got controller='sampled'",
+    ),
+    (lambda: pushed([0.0] * 6), r"motor_torque: expected 3 values \[N m\] .*, got shape \(6,\)"),
+    (lambda: pushed(1.0), r"motor_torque: expected 3 values \[N m\] .*, got shape \(\)"),
+    (lambda: pushed([0, NAN, 0]), r"motor_torque of axis 2: expected .*finite.*\[N m\], got nan"),
+    (lambda: pushed([0.0, True, 0.0]), r"motor_torque: .*3 numbers \[N m\].*, got \[0\.0, True"),
+    (
+        lambda: pushed(lambda t: [0.0] * 6),
+        r"motor_torque at 0 s: expected 3 finite values \[N m\], got \[0\. 0\. 0\. 0\. 0\. 0\.\]",
+    ),
+    (
+        lambda: pushed(r3.Input(lambda t: [0.0, 0.0, 0.0 if t < 0.005 else INF], [0.005])),
+        r"motor_torque at 0\.005 s: expected 3 finite values \[N m\], got \[ 0\.  0\. inf\]",
+    ),
+    (lambda: pushed(lambda t: None), r"motor_torque at 0 s: .*3 numbers \[N m\], got None"),
+    (lambda: pushed(lambda t: ["a"] * 3), r"motor_torque at 0 s: .*3 numbers \[N m\], got \['a'"),
+    (lambda: r3.Input(3.0), r"function: expected a function of the time, got 3\.0"),
+    (lambda: r3.Input(by_sine, 0.1), r"knots: expected instants \[s\] that ascend, got 0\.1"),
+    (lambda: r3.Input(by_sine, [0.2, 0.1]), r"knots: .*\[s\] that ascend, got \[0\.2, 0\.1\]"),
+    (lambda: r3.Input(by_sine, [NAN]), r"knots: expected finite .*\[s\], got nan at index 0"),
+    (lambda: r3.Input(by_sine, ["a"]), r"knots: expected numbers \[s\], got \['a'\]"),
+    (lambda: simulate(tip_force=[0, 0]), r"tip_force: expected three .*\[N\], got shape \(2,\)"),
+    (lambda: simulate(tip_force=[0, 0, NAN]), r"tip_force: expected finite .*\[N\], got nan .*2"),
+    (
+        lambda: simulate(tip_force=lambda t: [0.0]),
+        r"tip_force at 0 s: expected 3 finite values \[N\], got \[0\.\]",
+    ),
+    (
+        lambda: simulate(r3.Robot("one-axis"), r3.Hold([0]), tip_force=[0, 0, 1]),
+        r"tip_force: expected none for model one-axis, which has no tip",
+    ),
+    (
+        lambda: simulate(brakes=[True] + [False] * 5),
+        r"brakes of axis 1: expected none, only axes 4 to 6 have brakes",
+    ),
+    (lambda: simulate(brakes=[False] * 3), r"brakes: expected True, False or 6 .*, got \[False, F"),
+    (lambda: simulate(brakes=None), r"brakes: expected True, False or 6 of them, .*, got None"),
+    (lambda: simulate(brakes=[0, 0, 0, 1, 1, 1]), r"brakes: expected True, False or 6 .*, got \[0"),
+    (
+        lambda: braked_while_it_moves(),
+        r"brakes of axis 4: expected an axis at rest, got a joint rate of .* rad/s",
+    ),
     # step by step
     (lambda: simulator().step(-1.0), r"dt: expected .*not negative, got -1 s"),
     (lambda: simulator().step(INF), r"dt: expected .*finite.*\[s\], got inf"),
@@ -644,6 +1029,19 @@ BAD = [
     (lambda: set_torque([0.0] * 6), r"motor_torque: expected 3 values \[N m\].*, got .*6"),
     (lambda: set_torque([0, NAN, 0]), r"motor_torque of axis 2: expected .*\[N m\], got nan"),
     (lambda: set_torque([0.0] * 3, "continuous"), r"motor_torque: expected .*controller=None"),
+    (
+        lambda: set_input(r3.Robot(controller="external"), "command", [0.1] * 3),
+        r"command: expected 6 values \[V\] .*, got shape \(3,\)",
+    ),
+    (
+        lambda: set_input(r3.Robot(controller="sampled"), "command", [0.1] * 6),
+        r"command: expected a robot with controller='external' .*, got controller='sampled'",
+    ),
+    (
+        lambda: set_input(robot, "tip_force", [1, 2, 3], tip_force=lambda t: [0.0] * 3),
+        r"tip_force: it is a function of time and cannot be set",
+    ),
+    (lambda: simulator().command, r"command: expected .*'external' or 'sampled', .*'continuous'"),
     # states and the arm alone
     (lambda: robot.state_from([0] * 3), r"joint_angle: expected 6 values \[rad\].*, got .*3"),
     (

@@ -12,7 +12,10 @@ import manutec_r3 as r3
 from manutec_r3.command_line import app
 
 module = sys.modules["manutec_r3.check"]  # its name in the package is that of the function
-WHAT = ("acceleration", "hold", "control error", "motor torque", "events", "work")
+WHAT = (
+    *("acceleration", "hold", "control error", "motor torque", "events", "work"),
+    *("signals of one-axis", "friction modes of one-axis", "friction modes of full-robot"),
+)
 
 
 @pytest.fixture(scope="module")
@@ -62,16 +65,21 @@ def test_the_published_numbers_are_reproduced(rows):
 
 
 def test_rows_say_what_was_expected_and_found(rows):
-    _, holding, errors, torques, events, _ = rows
+    _, holding, errors, torques, events, _, signals, modes, changes = rows
     assert holding.expected == holding.found == "0.0 -746.7 -263.7"
     assert errors.expected == errors.found == "8.09 10.06 6.89 1.46 2.07 1.27"
     assert torques.expected == torques.found == "2.81 5.43 7.04 0.28 1.20 0.17"
     assert events.found == "60: 26 dead zone, 20 friction, 13 backlash, 1 reference"
+    assert signals.what == "7 signals of one-axis at 15 instants"
+    # published are seven digits of the instants, which are known to 1e-6 s
+    forward, *_, again = modes.found.split("\n")
+    assert (forward, again) == ("0.000652 forward", "1.353624 forward")
+    assert changes.expected == changes.found == "34: 4 10 9 4 4 3"
 
 
 def test_every_reference_is_installed_and_says_where_it_comes_from():
     names = [file.name.removesuffix(".json") for file in (files(r3) / "references").iterdir()]
-    assert {"r3m2si", "holding", "figure9_quintic"} <= set(names)
+    assert {"r3m2si", "holding", "figure9_quintic", "one_axis", "full_robot"} == set(names)
     for name in names:
         assert module._reference(name)["about"]
 
@@ -155,37 +163,55 @@ def test_energy_does_not_balance_with_another_load():
 # --- the Modelica variant -------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def figures():
-    """A run, and what it prints at some instants."""
-    motion = r3.Quintic([0.0] * 3, [0.3, 0.2, 0.1], 0.2)
-    run = r3.simulate(r3.Robot(model=4), motion, 0.3)
-    time = [0.05, 0.1, 0.2, 0.3]
-    now = run.at(time)
-    return run, {
-        "time": time,
-        "joint_angle": now.joint_angle[:, 0].tolist(),
-        "pt2_torque": now.state[:, run.robot.state_names.index("pt2_torque[1]")].tolist(),
-    }
+@pytest.mark.parametrize("signal", ["joint_angle", "deflection_rate", "controller", "voltage"])
+@pytest.mark.parametrize("instant", [0, 14])
+def test_a_signal_of_the_one_axis_that_is_another_is_named(falsify, signal, instant):
+    def change(data):
+        lowest, highest = data["range"][signal]
+        data["at_instants"][signal][instant] += 1e-4 * (highest - lowest)
+
+    falsify("one_axis", change)
+    rows = r3.check()
+    assert failed(rows) == ["signals of one-axis"]
+    # beside what the published run itself is off
+    assert rows[6].deviation == pytest.approx(1e-4, abs=1e-6)
+    assert signal.replace("_", " ") in rows[6].found
 
 
-def test_figures_of_one_axis_are_found(figures):
-    row = module._one_axis(*figures)
-    assert row.passed
-    assert row.deviation == 0.0
-    assert "2 signals of OneAxis at 4 instants" in row.what
+def test_modes_of_the_one_axis_fail_if_one_begins_at_another_time(falsify):
+    def change(data):
+        data["friction_changes"]["time"][2] += 1e-5
+
+    falsify("one_axis", change)
+    rows = r3.check()
+    assert failed(rows) == ["friction modes of one-axis"]
+    assert rows[7].deviation == pytest.approx(1e-5, abs=1e-6)
 
 
-@pytest.mark.parametrize("signal", ["joint_angle", "pt2_torque"])
-@pytest.mark.parametrize("instant", [0, 3])
-def test_a_figure_of_one_axis_that_is_another_is_named(figures, signal, instant):
-    run, expected = figures
-    wrong = copy.deepcopy(expected)
-    wrong[signal][instant] += 1e-4 * np.ptp(expected[signal])
-    row = module._one_axis(run, wrong)
-    assert not row.passed
-    assert row.deviation == pytest.approx(1e-4, rel=1e-3)
-    assert signal.replace("_", " ") in row.found
+@pytest.mark.parametrize("missing", [True, False])
+def test_modes_of_the_one_axis_fail_if_one_is_another_or_missing(falsify, missing):
+    def change(data):
+        for column in data["friction_changes"].values():
+            if missing:
+                del column[3]
+            else:
+                column[3] = 1
+
+    falsify("one_axis", change)
+    rows = r3.check()
+    assert failed(rows) == ["friction modes of one-axis"]
+    assert rows[7].deviation == np.inf
+
+
+def test_changes_of_the_full_robot_fail_if_an_axis_has_another_number(falsify):
+    def change(data):
+        data["friction_changes"][0] += 1
+        data["friction_changes"][1] -= 1
+
+    falsify("full_robot", change)
+    rows = r3.check()
+    assert failed(rows) == ["friction modes of full-robot"]
+    assert rows[8].deviation == 2.0
 
 
 # --- the command ----------------------------------------------------------------------------------
@@ -196,11 +222,12 @@ def test_the_command_prints_a_table_and_ends_well(rows):
     assert done.exit_code == 0
     for row in rows:
         (line,) = (line for line in done.stdout.splitlines() if row.what in line)
-        assert row.expected in line
-        assert row.found in line
+        assert row.expected.splitlines()[0] in line
+        assert row.found.splitlines()[0] in line
+        assert all(line in done.stdout for line in row.found.splitlines())
         assert line.rstrip().endswith("passed")
         assert row.source in done.stdout
-    assert done.stdout.endswith("All 6 checks passed.\n")
+    assert done.stdout.endswith("All 9 checks passed.\n")
 
 
 def test_the_command_says_what_failed_and_ends_with_1(falsify):
@@ -212,4 +239,4 @@ def test_the_command_says_what_failed_and_ends_with_1(falsify):
     assert done.exit_code == 1
     (line,) = (line for line in done.stdout.splitlines() if "FAILED" in line)
     assert "0.0 0.0 -263.7" in line
-    assert done.stderr == "error: 1 of 6 checks failed\n"
+    assert done.stderr == "error: 1 of 9 checks failed\n"

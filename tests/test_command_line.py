@@ -132,6 +132,65 @@ def test_excesses_of_limits_are_a_table_and_sustained_saturation_is_a_warning(
     assert warning in printed["fast.toml"]
 
 
+def test_run_writes_the_modelica_variant(command, tmp_path):
+    done = command("run", "one-axis")
+    assert done.exit_code == 0
+    assert "9: 6 friction, 3 reference" in done.stdout
+    with np.load(tmp_path / "one-axis/result.npz") as archive:
+        assert archive["joint_angle"].shape == (len(archive["time"]), 1)
+        assert set(archive["event_element"]) == {"friction", "reference"}
+    assert (tmp_path / "one-axis/one-axis.png").exists()
+
+
+LIMITED = """
+t_end = 0.1
+[robot]
+model = 4
+controller = "sampled"
+voltage_limit = 0.4
+[motion]
+type = "quintic"
+start = [0, 0, 0]
+end = [0.1, 0.1, 0.1]
+duration = 0.2
+"""
+DRIVEN = """
+t_end = 0.02
+[robot]
+model = 3
+controller = "none"
+[inputs]
+motor_torque = [1, 0, 0, 0, 0, 0]
+"""
+
+
+def test_run_writes_limited_voltages_and_counts_samples(command, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)  # the picture takes its time
+    (tmp_path / "limited.toml").write_text(LIMITED)
+    done = command("run", "limited.toml")
+    assert done.exit_code == 0
+    assert re.search(r"^samples +12, \S+ evaluations each *$", done.stdout, re.MULTILINE)
+    result = r3.Scenario.load("limited.toml").run()
+    with np.load(tmp_path / "limited/result.npz") as archive:
+        np.testing.assert_array_equal(
+            archive["branches_voltage_limit"], result.branches["voltage_limit"]
+        )
+        assert archive["branches_voltage_limit"].any()
+        assert "voltage_limit" in archive["event_element"]
+
+
+def test_run_goes_without_a_motion(command, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    (tmp_path / "driven.toml").write_text(DRIVEN)
+    done = command("run", "driven.toml")
+    assert done.exit_code == 0
+    assert "nan" not in done.stdout
+    assert re.search(r"^ +1 +\S+ to \S+ +- +1\.00 *$", done.stdout, re.MULTILINE)
+    with np.load(tmp_path / "driven/result.npz") as archive:
+        assert np.isnan(archive["control_error"]).all()
+        np.testing.assert_array_equal(archive["motor_torque"][:, 0], 1.0)
+
+
 def test_nothing_is_said_of_limits_that_are_kept(command):
     assert "exceeded" not in command("run", "short.toml").stdout
 

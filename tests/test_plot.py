@@ -75,8 +75,46 @@ def test_three_axes_make_three_rows():
     assert [row[0].get_ylabel() for row in rows] == ["axis 1", "axis 2", "axis 3"]
 
 
-def test_no_words_overlap(result):
+def test_one_axis_makes_one_row_that_says_what_turns():
+    result = r3.Scenario.load("one-axis").run()
     figure, rows = panels(result)
+    assert rows.shape == (1, 3)
+    heading = "Manutec r3, one axis of the Modelica variant, inertia 19.5 kg m\N{SUPERSCRIPT TWO}"
+    assert figure.get_suptitle() == heading
+    (shade,) = (c for c in rows[0, 0].collections if isinstance(c, PolyCollection))
+    drawn = [path.get_extents().intervalx for path in shade.get_paths()]
+    np.testing.assert_allclose(drawn, np.transpose(sticking(result, 1)), rtol=1e-15)
+    knots = [m for m in rows[0, 0].lines if m.get_label() == "knot of the reference"]
+    np.testing.assert_array_equal([m.get_xdata()[0] for m in knots], result.motion.knots[1:])
+
+
+def test_the_heading_says_which_model_and_load():
+    for robot, heading in (
+        (r3.Robot(2), "Manutec r3, model 2, no load"),
+        (r3.Robot(4, r3.Load(2.5)), "Manutec r3, model 4, load 2.5 kg"),
+        (r3.Robot("full-robot"), "Manutec r3, full robot of the Modelica variant, load 15 kg"),
+    ):
+        result = r3.simulate(robot, r3.Hold([0.0] * robot.n_axes), t_end=0.01)
+        assert figure9(result).get_suptitle() == heading
+
+
+def test_without_a_motion_there_is_neither_a_reference_nor_an_error():
+    robot = r3.Robot(model=3, controller=None)
+    result = r3.simulate(robot, None, t_end=0.05, motor_torque=[1.0, 0.2, 0.3, 0.0, 0.0, 0.5])
+    figure, rows = panels(result)
+    for angle, error, torque in rows:
+        assert {line.get_label() for line in angle.lines} == {"simulated"}
+        assert not error.lines
+        assert [note.get_text() for note in error.texts] == ["no reference"]
+        curve(torque, "simulated")
+    # axes that nothing moves: a flat line, not a magnified nothing
+    assert np.ptp(rows[3, 2].get_ylim()) > 1e-3
+    assert_no_words_overlap(figure, rows.flat)
+
+
+@pytest.mark.parametrize("name", ["figure9", "full-robot", "one-axis"])
+def test_no_words_overlap(name):
+    figure, rows = panels(r3.Scenario.load(name).run())
     assert_no_words_overlap(figure, rows.flat)
 
 

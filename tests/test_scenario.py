@@ -36,7 +36,7 @@ def write(tmp_path):
 
 
 def test_every_scenario_of_the_package_loads_under_its_name():
-    assert {"figure9", "figure9-quintic"} <= set(r3.scenarios())
+    assert {"figure9", "figure9-quintic", "full-robot", "one-axis"} <= set(r3.scenarios())
     for name in r3.scenarios():
         scenario = r3.Scenario.load(name)
         assert scenario.name == name
@@ -51,6 +51,27 @@ def test_figure9_is_the_published_experiment():
     assert scenario.motion.duration == 1.2
     np.testing.assert_array_equal(scenario.motion.angle(0.0), np.zeros(6))
     np.testing.assert_array_equal(scenario.motion.angle(1.2), [1.0, 1.0, 0.6, -0.2, -0.15, -0.1])
+
+
+@pytest.mark.parametrize(
+    ("model", "start", "end", "breaks"),
+    [
+        (
+            "full-robot",
+            np.radians([-60, 20, 90, 0, -110, 0]),
+            np.radians([60, -70, -35, 45, 110, 45]),
+            [0.117424, 1.238621, 1.356045],  # spec M, "Reference motion", to 1e-6 s
+        ),
+        ("one-axis", [0.0], [np.radians(120)], [0.3, np.radians(40), np.radians(40) + 0.3]),
+    ],
+)
+def test_the_modelica_variant_moves_as_specified(model, start, end, breaks):
+    scenario = r3.Scenario.load(model)
+    assert scenario.robot == r3.Robot(model)
+    np.testing.assert_allclose(scenario.motion.angle(0.0), start, rtol=1e-15)
+    np.testing.assert_allclose(scenario.motion.angle(2.0), end, rtol=1e-15)
+    np.testing.assert_allclose(scenario.motion.knots[1:], breaks, rtol=0, atol=5e-7)
+    assert scenario.t_end == pytest.approx(scenario.motion.duration + 0.5, rel=1e-15)
 
 
 def test_a_file_says_everything_about_its_run(write):
@@ -103,6 +124,82 @@ def test_arguments_of_run_take_the_place_of_the_scenarios_own(write):
     assert 0.005 in result.time
 
 
+HOLD = 'type = "hold"\nangles = [0.1, -0.2, 0.3]\n'
+OPTIONS = """
+t_end = 0.01
+[robot]
+model = 3
+controller = "none"
+rotor_coupling = ["full", "full", "full", "full", "full", "simplified"]
+gear_damping = "contact"
+stiction = "stiff-spring"
+stiffness = 1e6
+creep_rate = 0.0
+load = { mass = 20.0, position = [0.2, 0.0, 0.4], bounds = false }
+[robot.table_1]
+nothing = 0
+[robot.table_2]
+b = { 2 = 0.05, 3 = 0.01 }
+friction = { 4 = [[0.0, 0.2], [100.0, 0.3]] }
+[robot.table_3]
+joint_limits = { 4 = 3.5, 1 = inf }
+rn = { 2 = "z" }
+[robot.table_3.arms.6]
+I33 = 0.01
+[inputs]
+motor_torque = [0.1, 0.2, 0.3, 0.0, 0.0, 0.0]
+tip_force = [0.0, 0.0, -10.0]
+brakes = [false, false, false, true, false, true]
+"""
+
+
+def test_a_file_has_all_options_and_inputs_of_a_robot(write):
+    text = OPTIONS.replace("nothing = 0", "rF_nom = 3.5")
+    scenario = r3.Scenario.load(write(text))
+    assert scenario.robot == r3.Robot(
+        model=3,
+        load=r3.Load(20.0, (0.2, 0.0, 0.4), bounds=False),
+        controller=None,
+        rotor_coupling=("full",) * 5 + ("simplified",),
+        gear_damping="contact",
+        stiction="stiff-spring",
+        stiffness=1e6,
+        creep_rate=0.0,
+        table_1={"rF_nom": 3.5},
+        table_2={"b": {2: 0.05, 3: 0.01}, "friction": {4: [(0.0, 0.2), (100.0, 0.3)]}},
+        table_3={
+            "joint_limits": {4: 3.5, 1: np.inf},
+            "rn": {2: "z"},
+            "arms": {6: {"I33": 0.01}},
+        },
+    )
+    assert scenario.motion is None
+    result = scenario.run()
+    assert result.method == "bdf"
+    expected = np.tile([0.1, 0.2, 0.3, 0.0, 0.0, 0.0], (len(result.time), 1))
+    np.testing.assert_array_equal(result.motor_torque, expected)
+
+
+@pytest.mark.parametrize(
+    ("robot", "expected"),
+    [
+        ('model = 4\ncontroller = "sampled"', {"model": 4, "controller": "sampled"}),
+        ('model = 2\narm = "six-arm"', {"model": 2, "arm": "six-arm"}),
+        ("model = 4\nvoltage_limit = 5", {"model": 4, "voltage_limit": 5.0}),
+    ],
+)
+def test_a_file_names_other_models(write, robot, expected):
+    scenario = r3.Scenario.load(write(f"t_end = 1\n[robot]\n{robot}\n[motion]\n{HOLD}"))
+    assert scenario.robot == r3.Robot(**expected)
+
+
+def test_commands_are_inputs_in_a_file(write):
+    robot = 'model = 4\ncontroller = "external"'
+    text = f"t_end = 0.01\n[robot]\n{robot}\n[inputs]\ncommand = [0.1, 0.2, 0.3]\n"
+    result = r3.Scenario.load(write(text)).run()
+    assert (result.voltage[-1] > 0.1).all()
+
+
 MISTAKES = [
     ("t_end = 0.05", "t_emd = 0.05", "unknown key 't_emd', did you mean 't_end'"),
     ("t_end = 0.05", "", r"t_end is missing, expected a positive time \[s\]"),
@@ -112,6 +209,50 @@ MISTAKES = [
     ("t_end = 0.05", "t_end = ", "line 3"),
     ('"arm"', '"wheel"', "start: expected .* got 'wheel'"),
     ("model = 4", "model = 5", r"\[robot\]: .*model.* got 5"),
+    ("model = 4", "model = 4.0", r"\[robot\]: model: expected a number or a name, got 4\.0"),
+    ("model = 4", 'model = "full"', r"\[robot\]: model: expected .*'full-robot'.*, got 'full'"),
+    ("model = 4", 'model = 4\ncontroller = "pid"', r"\[robot\]: controller: .*, got 'pid'"),
+    ("model = 4", 'model = 4\nstiction = "stiff-spring"', r"\[robot\]: stiction: .* for model 4"),
+    ("model = 4", "model = 4\nstiffness = 0", r"\[robot\]: stiffness: .*\[N m/rad, .*\], got 0"),
+    (
+        "model = 4",
+        "model = 4\ngear_dampin = 1",
+        r"\[robot\]: unknown .*did you mean 'gear_damping'",
+    ),
+    ("model = 4", "model = 4\ntable_1 = 3", r"\[robot\]: table_1: expected a table, got 3"),
+    (
+        *("model = 4", "model = 4\ntable_1 = { KV = 1 }"),
+        r"\[robot\]: table_1: unknown symbol 'KV', did you mean 'K_V'",
+    ),
+    (
+        *("model = 4", "model = 4\ntable_1 = { K_V = { 7 = 0.3 } }"),
+        r"\[robot\]: table_1 K_V: expected an axis from 1 to 6, got 7",
+    ),
+    (
+        *("model = 4", "model = 4\ntable_1 = { K_V = { x = 0.3 } }"),
+        r"\[robot\]: table_1 K_V: expected the number of an axis, got 'x'",
+    ),
+    (
+        *("model = 4", "model = 4\ntable_2 = { c = { 3 = -1 } }"),
+        r"\[robot\]: table_2 c of axis 3: expected a positive .*\[N m/rad\], got -1",
+    ),
+    ("mass = 2.5", "mass = 20, bounds = 0", r"\[robot.load\]: bounds: .*true or false, got 0"),
+    ("angles = [0.1, -0.2, 0.3]", "angles = [0.1]", "motion: expected 3 axes for model 4, got 1"),
+    ('"arm"', "[0.0, 0.0]", "start: expected a state vector of 36 values, got 2"),
+    ("[solver]", "[inputs]\nbrakes = 1\n[solver]", r"\[inputs\]: brakes: .*true, .*, got 1"),
+    (
+        *("[solver]", "[inputs]\ncomand = [0]\n[solver]"),
+        r"\[inputs\]: unknown key 'comand', did you mean 'command'",
+    ),
+    (
+        *("[solver]", "[inputs]\ntip_force = [0, nan, 0]\n[solver]"),
+        r"\[inputs\]: tip_force: expected three components \[N\], got \[0, nan, 0\]",
+    ),
+    (
+        *("[solver]", "[inputs]\ncommand = [0, 0, 0]\n[solver]"),
+        "command: expected a robot with controller='external' .*, got controller='continuous'",
+    ),
+    ("[motion]", "[inputs]", r"\[inputs\]: unknown key 'type'"),
     ("mass = 2.5", "maas = 2.5", r"\[robot.load\]: unknown key 'maas', did you mean 'mass'"),
     ("mass = 2.5", 'mass = "2.5"', r"\[robot.load\]: mass: expected a mass \[kg\], got '2.5'"),
     ("mass = 2.5", "mass = 20", r"\[robot.load\]: .*mass.*20"),

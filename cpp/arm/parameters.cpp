@@ -24,6 +24,11 @@ void require_finite(const std::string& where, double value, const std::string& u
   if (!std::isfinite(value)) refuse(where, "a finite value [" + unit + "]", value);
 }
 
+void require_finite(const std::string& where, const std::array<double, 3>& values,
+                    const std::string& unit) {
+  for (const double value : values) require_finite(where, value, unit);
+}
+
 void require_not_negative(const std::string& where, double value, const std::string& unit) {
   if (!std::isfinite(value) || value < 0) {
     refuse(where, "a finite value of 0 " + unit + " or more", value);
@@ -33,12 +38,13 @@ void require_not_negative(const std::string& where, double value, const std::str
 // Of a body that only turns about z nothing but I33 has a meaning.
 void check_body(const Body& body, const std::string& name, bool only_about_z = false) {
   const auto& [mass, centre, I11, I22, I33, I13] = body;
-  for (const double value : centre) require_finite(of("centre_of_mass", name), value, "m");
+  Body::for_each_number(body, [&name](const char* symbol, const char* unit, const auto& value) {
+    require_finite(of(symbol, name), value, unit);
+  });
   require_not_negative(of("mass", name), mass, "kg");
   require_not_negative(of("I11", name), I11, "kg m^2");
   require_not_negative(of("I22", name), I22, "kg m^2");
   require_not_negative(of("I33", name), I33, "kg m^2");
-  require_finite(of("I13", name), I13, "kg m^2");
   if (only_about_z || (I11 == 0 && I22 == 0 && I13 == 0)) return;
 
   // The triangle inequality of the principal moments says that no second moment is negative.
@@ -47,7 +53,7 @@ void check_body(const Body& body, const std::string& name, bool only_about_z = f
   const SymmetricTensor J = moments(about_centre).J;
   const double roundoff = 1e-12 * (I11 + I22 + I33);
   if (J.xx < -roundoff || J.yy < -roundoff || J.zz < -roundoff ||
-      J.xx * J.zz - J.xz * J.xz < -roundoff * roundoff) {
+      J.xx * J.zz - J.xz * J.xz < -roundoff * (J.xx + J.zz)) {
     std::ostringstream got;
     got << "I11 = " << I11 << ", I22 = " << I22 << ", I33 = " << I33 << ", I13 = " << I13
         << " kg m^2";
@@ -61,9 +67,7 @@ void check_body(const Body& body, const std::string& name, bool only_about_z = f
 void check(const Table3& table) {
   for (int j = 0; j < n_axes; ++j) {
     const std::string name = "arm " + std::to_string(j + 1);
-    for (const double value : table.arms[j].offset) {
-      require_finite(of("offset", name), value, "m");
-    }
+    require_finite(of("offset", name), table.arms[j].offset, "m");
     check_body(table.arms[j].body, name, j == 0);
   }
   check_body(table.lumped_arm_3, "lumped_arm_3");

@@ -32,6 +32,17 @@ struct Body {
   double I11, I22, I33, I13;     // [kg m^2]
 
   bool operator==(const Body&) const = default;
+
+  // Calls visit(symbol, unit, value) for each number.
+  template <class AnyBody, class Visit>
+  static void for_each_number(AnyBody& body, Visit&& visit) {
+    visit("mass", "kg", body.mass);
+    visit("centre_of_mass", "m", body.centre);
+    visit("I11", "kg m^2", body.I11);
+    visit("I22", "kg m^2", body.I22);
+    visit("I33", "kg m^2", body.I33);
+    visit("I13", "kg m^2", body.I13);
+  }
 };
 
 // An arm turns about its joint, whose place is given in the frame of the preceding arm. The body
@@ -41,6 +52,12 @@ struct Arm {
   Body body;
 
   bool operator==(const Arm&) const = default;
+
+  template <class AnyArm, class Visit>
+  static void for_each_number(AnyArm& arm, Visit&& visit) {
+    visit("offset", "m", arm.offset);
+    Body::for_each_number(arm.body, visit);
+  }
 };
 
 inline constexpr double no_limit = std::numeric_limits<double>::infinity();
@@ -70,6 +87,18 @@ struct Table3 {
   double shoulder_height = 0.675;
 
   bool operator==(const Table3&) const = default;
+
+  // Calls visit(symbol, unit, row) for each row of a table; arms have units of their own.
+  template <class Table, class Visit>
+  static void for_each_row(Table& table, Visit&& visit) {
+    visit("arms", "", table.arms);
+    visit("lumped_arm_3", "", table.lumped_arm_3);
+    visit("rJ", "kg m^2", table.rotor_inertia);
+    visit("rn", "", table.rotor_axes);
+    visit("joint_limits", "rad", table.joint_limits);
+    visit("gravity", "m/s^2", table.gravity);
+    visit("shoulder_height", "m", table.shoulder_height);
+  }
 };
 
 // Throws std::invalid_argument, naming table, symbol and arm, unless these are rigid bodies: masses

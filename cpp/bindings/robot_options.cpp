@@ -2,33 +2,15 @@
 
 #include <pybind11/stl.h>
 
-#include <array>
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 #include <string>
-#include <utility>
-#include <vector>
 
 namespace manutec_r3::bindings {
 namespace {
 
 using robot::Model;
-
-template <class Value>
-using Names = std::vector<std::pair<const char*, Value>>;
-
-const Names<robot::Controller> controllers = {{"continuous", robot::Controller::continuous},
-                                              {"sampled", robot::Controller::sampled},
-                                              {"external", robot::Controller::external}};
-const Names<robot::Coupling> couplings = {{"full", robot::Coupling::full},
-                                          {"simplified", robot::Coupling::simplified}};
-const Names<drive::GearDamping> gear_dampings = {{"parallel", drive::GearDamping::parallel},
-                                                 {"contact", drive::GearDamping::contact}};
-const Names<robot::Stiction> stictions = {{"exact", robot::Stiction::exact},
-                                          {"stiff-spring", robot::Stiction::stiff_spring},
-                                          {"stiff-damper", robot::Stiction::stiff_damper}};
-const Names<robot::ArmData> arms = {{"lumped", robot::ArmData::lumped},
-                                    {"six-arm", robot::ArmData::six_arm}};
 
 [[noreturn]] void refuse(const std::string& option, const std::string& expected,
                          const py::handle& got) {
@@ -36,49 +18,41 @@ const Names<robot::ArmData> arms = {{"lumped", robot::ArmData::lumped},
                               py::repr(got).cast<std::string>());
 }
 
-template <class Value>
-std::string listed(const Names<Value>& names) {
+// 'a', 'b' or 'c'
+template <std::size_t n>
+std::string listed(const robot::Names<n>& names, const std::string& last = "") {
   std::string list;
-  for (const auto& [name, value] : names) {
-    list += (list.empty() ? "'" : ", '") + std::string(name) + "'";
+  for (std::size_t k = 0; k < n; ++k) {
+    const bool ends = last.empty() && k + 1 == n;
+    list += (k == 0 ? "'" : ends ? " or '" : ", '") + std::string(names[k]) + "'";
   }
-  return list;
+  return last.empty() ? list : list + " or " + last;
 }
 
-template <class Value>
-const char* name_of(Value value, const Names<Value>& names) {
-  for (const auto& [name, named] : names) {
-    if (named == value) return name;
-  }
-  throw std::logic_error("an option without a name");
-}
-
-template <class Value>
-Value named(const std::string& option, const py::handle& got, const Names<Value>& names,
-            const std::string& or_else = "") {
+template <class Value, std::size_t n>
+Value named(const std::string& option, const py::handle& got, const robot::Names<n>& names,
+            const std::string& last = "") {
   if (py::isinstance<py::str>(got)) {
-    const auto text = got.cast<std::string>();
-    for (const auto& [name, value] : names) {
-      if (text == name) return value;
-    }
+    const auto place = std::ranges::find(names, got.cast<std::string>());
+    if (place != names.end()) return static_cast<Value>(place - names.begin());
   }
-  refuse(option, listed(names) + or_else, got);
+  refuse(option, listed(names, last), got);
 }
 
 // One for all axes, or one for each.
 void read_couplings(const py::handle& got, Model model, robot::Options& options) {
   if (py::isinstance<py::str>(got)) {
-    options.coupling.fill(named("rotor_coupling", got, couplings));
+    options.coupling.fill(named<robot::Coupling>("rotor_coupling", got, robot::coupling_names));
     return;
   }
   const int n = robot::n_axes(model);
   if (!py::isinstance<py::sequence>(got) || static_cast<int>(py::len(got)) != n) {
-    refuse("rotor_coupling", listed(couplings) + " or " + std::to_string(n) + " of them", got);
+    refuse("rotor_coupling", listed(robot::coupling_names, std::to_string(n) + " of them"), got);
   }
   int i = 0;
   for (const py::handle of_axis : got) {
-    options.coupling[i] =
-        named("rotor_coupling of axis " + std::to_string(i + 1), of_axis, couplings);
+    options.coupling[i] = named<robot::Coupling>("rotor_coupling of axis " + std::to_string(i + 1),
+                                                 of_axis, robot::coupling_names);
     ++i;
   }
 }
@@ -87,8 +61,9 @@ void read_couplings(const py::handle& got, Model model, robot::Options& options)
 
 Model model_named(const py::object& model) {
   if (py::isinstance<py::int_>(model) && !py::isinstance<py::bool_>(model)) {
-    const auto number = model.cast<long long>();
-    if (number >= 1 && number <= 4) return static_cast<Model>(number);
+    for (int number = 1; number <= 4; ++number) {
+      if (model.equal(py::int_(number))) return static_cast<Model>(number);
+    }
   } else if (py::isinstance<py::str>(model)) {
     for (const Model candidate : {Model::full_robot, Model::one_axis}) {
       if (model.cast<std::string>() == robot::name_of(candidate)) return candidate;
@@ -106,17 +81,17 @@ py::dict as_dict(const robot::Options& options, Model model) {
   py::dict dict;
   dict["controller"] = py::none();
   if (options.controller != robot::Controller::none) {
-    dict["controller"] = name_of(options.controller, controllers);
+    dict["controller"] = robot::name_of(options.controller, robot::controller_names);
   }
   py::list coupling;
   for (int i = 0; i < robot::n_axes(model); ++i) {
-    coupling.append(name_of(options.coupling[i], couplings));
+    coupling.append(robot::name_of(options.coupling[i], robot::coupling_names));
   }
   dict["rotor_coupling"] = py::tuple(coupling);
-  dict["gear_damping"] = name_of(options.gear_damping, gear_dampings);
-  dict["stiction"] = name_of(options.stiction, stictions);
+  dict["gear_damping"] = robot::name_of(options.gear_damping, robot::gear_damping_names);
+  dict["stiction"] = robot::name_of(options.stiction, robot::stiction_names);
   dict["stiffness"] = options.stiffness;
-  dict["arm"] = name_of(options.arm, arms);
+  dict["arm"] = robot::name_of(options.arm, robot::arm_names);
   dict["creep_rate"] = options.creep_rate;
   dict["voltage_limit"] = py::none();
   if (options.voltage_limit < std::numeric_limits<double>::infinity()) {
@@ -129,16 +104,22 @@ robot::Options options_from(const py::dict& dict, Model model) {
   robot::Options options = robot::default_options(model);
   if (dict.contains("controller")) {
     const py::object got = dict["controller"];
-    options.controller =
-        got.is_none() ? robot::Controller::none : named("controller", got, controllers, " or None");
+    options.controller = got.is_none() ? robot::Controller::none
+                                       : named<robot::Controller>("controller", got,
+                                                                  robot::controller_names, "None");
   }
   if (dict.contains("rotor_coupling")) read_couplings(dict["rotor_coupling"], model, options);
   if (dict.contains("gear_damping")) {
-    options.gear_damping = named("gear_damping", dict["gear_damping"], gear_dampings);
+    options.gear_damping =
+        named<drive::GearDamping>("gear_damping", dict["gear_damping"], robot::gear_damping_names);
   }
-  if (dict.contains("stiction")) options.stiction = named("stiction", dict["stiction"], stictions);
+  if (dict.contains("stiction")) {
+    options.stiction = named<robot::Stiction>("stiction", dict["stiction"], robot::stiction_names);
+  }
   if (dict.contains("stiffness")) options.stiffness = dict["stiffness"].cast<double>();
-  if (dict.contains("arm")) options.arm = named("arm", dict["arm"], arms);
+  if (dict.contains("arm")) {
+    options.arm = named<robot::ArmData>("arm", dict["arm"], robot::arm_names);
+  }
   if (dict.contains("creep_rate")) options.creep_rate = dict["creep_rate"].cast<double>();
   if (dict.contains("voltage_limit")) options.voltage_limit = dict["voltage_limit"].cast<double>();
   return options;

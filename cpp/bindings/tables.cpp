@@ -28,6 +28,8 @@ const char* letter(Axis axis) { return letters[static_cast<std::size_t>(axis)]; 
 
 py::object entry(double value) { return py::float_(value); }
 
+py::object entry(Axis axis) { return py::str(letter(axis)); }
+
 py::object entry(const FrictionPoints& points) {
   py::list pairs;
   for (const drive::FrictionPoint& point : points) {
@@ -36,15 +38,13 @@ py::object entry(const FrictionPoints& points) {
   return py::tuple(pairs);
 }
 
-py::object entry(const arm::Arm& arm) {
+// An arm, or a body.
+template <class Bodily>
+  requires std::is_same_v<Bodily, arm::Body> || std::is_same_v<Bodily, arm::Arm>
+py::object entry(const Bodily& bodily) {
   py::dict entries;
-  entries["offset"] = arm.offset;
-  entries["mass"] = arm.body.mass;
-  entries["centre_of_mass"] = arm.body.centre;
-  entries["I11"] = arm.body.I11;
-  entries["I22"] = arm.body.I22;
-  entries["I33"] = arm.body.I33;
-  entries["I13"] = arm.body.I13;
+  Bodily::for_each_number(
+      bodily, [&](const char* symbol, const char*, const auto& value) { entries[symbol] = value; });
   return entries;
 }
 
@@ -58,7 +58,10 @@ py::object as_python(const std::array<Value, size>& row, int n_columns) {
   return py::tuple(entries);
 }
 
-py::object as_python(double value, int) { return py::float_(value); }
+template <class Value>
+py::object as_python(const Value& value, int) {
+  return entry(value);
+}
 
 template <class Table>
 py::dict as_dict(const Table& table, int n_columns) {
@@ -71,24 +74,14 @@ py::dict as_dict(const Table& table, int n_columns) {
 
 py::dict as_dict(const arm::Table3& table, int n_columns, bool has_lumped_arm) {
   py::dict rows;
-  py::list arms, axes;
-  for (int j = 0; j < std::min(n_columns, arm::n_axes); ++j) {
-    py::dict arm = entry(table.arms[j]);
-    arm["axis"] = letter(arm::joint_axes[j]);
-    arms.append(arm);
-    axes.append(letter(table.rotor_axes[j]));
-  }
-  rows["arms"] = py::tuple(arms);
-  if (has_lumped_arm) {
-    py::dict arm = entry(arm::Arm{table.arms[2].offset, table.lumped_arm_3});
-    arm["axis"] = letter(arm::joint_axes[2]);
-    rows["lumped_arm_3"] = arm;
-  }
-  rows["rJ"] = as_python(table.rotor_inertia, n_columns);
-  rows["rn"] = py::tuple(axes);
-  rows["joint_limits"] = as_python(table.joint_limits, n_columns);
-  rows["gravity"] = table.gravity;
-  rows["shoulder_height"] = table.shoulder_height;
+  const auto add = [&](const char* symbol, const char*, const auto& row) {
+    rows[symbol] = as_python(row, n_columns);
+  };
+  arm::Table3::for_each_row(table, add);
+  int j = 0;
+  for (const py::handle arm : rows["arms"]) arm["axis"] = letter(arm::joint_axes[j++]);
+  rows["lumped_arm_3"]["axis"] = letter(arm::joint_axes[2]);
+  if (!has_lumped_arm) rows.attr("pop")("lumped_arm_3");
   return rows;
 }
 
@@ -112,15 +105,12 @@ void read(const py::handle& from, FrictionPoints& points) {
   }
 }
 
-void read(const py::handle& from, arm::Arm& arm) {
-  const auto entries = py::cast<py::dict>(from);
-  arm.offset = entries["offset"].cast<std::array<double, 3>>();
-  arm.body.mass = entries["mass"].cast<double>();
-  arm.body.centre = entries["centre_of_mass"].cast<std::array<double, 3>>();
-  arm.body.I11 = entries["I11"].cast<double>();
-  arm.body.I22 = entries["I22"].cast<double>();
-  arm.body.I33 = entries["I33"].cast<double>();
-  arm.body.I13 = entries["I13"].cast<double>();
+template <class Bodily>
+  requires std::is_same_v<Bodily, arm::Body> || std::is_same_v<Bodily, arm::Arm>
+void read(const py::handle& from, Bodily& bodily) {
+  Bodily::for_each_number(bodily, [&](const char* symbol, const char*, auto& value) {
+    value = from[symbol].template cast<std::remove_reference_t<decltype(value)>>();
+  });
 }
 
 template <class Value, std::size_t size>
@@ -137,41 +127,28 @@ void read_table(const py::dict& rows, Table& table) {
 }
 
 void read_table(const py::dict& rows, arm::Table3& table) {
-  read(rows["arms"], table.arms);
-  if (rows.contains("lumped_arm_3")) {
-    arm::Arm lumped;  // its offset is that of arm 3
-    read(rows["lumped_arm_3"], lumped);
-    table.lumped_arm_3 = lumped.body;
-  }
-  read(rows["rJ"], table.rotor_inertia);
-  read(rows["rn"], table.rotor_axes);
-  read(rows["joint_limits"], table.joint_limits);
-  table.gravity = rows["gravity"].cast<double>();
-  table.shoulder_height = rows["shoulder_height"].cast<double>();
+  arm::Table3::for_each_row(table, [&](const char* symbol, const char*, auto& row) {
+    if (rows.contains(symbol)) read(rows[symbol], row);
+  });
 }
 
+// --- units --------------------------------------------------------------------------------------
+
+// Of the rows of a table, by their symbols.
 template <class Table>
 py::dict units_of(const Table& table) {
   py::dict units;
-  Table::for_each_row(table, [&](const char* symbol, const char* unit, drive::Sign, const auto&) {
-    units[symbol] = unit;
-  });
+  Table::for_each_row(
+      table, [&](const char* symbol, const char* unit, const auto&...) { units[symbol] = unit; });
   return units;
 }
 
-// The unit of every symbol, table by table.
-py::dict table_units(robot::Model model) {
-  const robot::Tables tables = robot::default_tables(model);
-  py::dict units;
-  units["table_1"] = std::visit([](const auto& table) { return units_of(table); }, tables.table_1);
-  units["table_2"] = units_of(tables.table_2);
-  py::dict table_3;
-  for (const char* symbol : {"I11", "I22", "I33", "I13", "rJ"}) table_3[symbol] = "kg m^2";
-  for (const char* symbol : {"offset", "centre_of_mass", "shoulder_height"}) table_3[symbol] = "m";
-  table_3["mass"] = "kg";
-  table_3["joint_limits"] = "rad";
-  table_3["gravity"] = "m/s^2";
-  units["table_3"] = table_3;
+// Of Table 3, with those of its arms.
+py::dict units_of(const arm::Table3& table) {
+  py::dict units = units_of<arm::Table3>(table);
+  arm::Arm::for_each_number(table.arms[0], [&](const char* symbol, const char* unit, const auto&) {
+    units[symbol] = unit;
+  });
   return units;
 }
 
@@ -198,10 +175,17 @@ robot::Tables tables_from(const py::dict& dict, robot::Model model) {
 }
 
 void register_tables(py::module_& module) {
-  module.def("table_units",
-             [](const py::object& model) { return table_units(model_named(model)); });
   module.def("default_tables", [](const py::object& model) {
     return as_dict(robot::default_tables(model_named(model)), model_named(model));
+  });
+  module.def("table_units", [](const py::object& model) {
+    const robot::Tables tables = robot::default_tables(model_named(model));
+    py::dict units;
+    units["table_1"] =
+        std::visit([](const auto& table) { return units_of(table); }, tables.table_1);
+    units["table_2"] = units_of(tables.table_2);
+    units["table_3"] = units_of(tables.table_3);
+    return units;
   });
 }
 

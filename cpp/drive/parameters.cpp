@@ -40,12 +40,7 @@ void check_row(const std::string& where, const std::string& unit, Sign sign,
                const std::array<FrictionPoints, 6>& row) {
   for (std::size_t i = 0; i < row.size(); ++i) {
     const std::string here = of_axis(where, i);
-    if (row[i].size() < 2) refuse(here, "two points or more", unit, row[i].size());
-    const FrictionPoint& last = row[i].back();
-    const FrictionPoint& before_last = row[i][row[i].size() - 2];
-    if (last.torque < before_last.torque) {
-      refuse(here, "a last segment, which goes on for ever, that does not fall", unit, last.torque);
-    }
+    if (row[i].size() < 2) refuse(here, "two points or more", "rad/s, N m", row[i].size());
     double after = -1.0;
     for (const auto& [rate, torque] : row[i]) {
       require(here, unit, sign, torque);
@@ -53,6 +48,13 @@ void check_row(const std::string& where, const std::string& unit, Sign sign,
         refuse(here, "rates that begin at 0 and increase", "rad/s", rate);
       }
       after = rate;
+    }
+    // The last segment is extended.
+    const double last = row[i].back().torque, last_but_one = row[i][row[i].size() - 2].torque;
+    if (last < last_but_one) {
+      std::ostringstream expected;
+      expected << "a last torque of at least the one before, " << last_but_one;
+      refuse(here, expected.str(), unit, last);
     }
   }
 }

@@ -113,7 +113,8 @@ struct Table2 {
 };
 
 // Throw std::invalid_argument, naming table, symbol and axis, unless each number has the sign that
-// it must have; friction points begin at rate 0 and go on with increasing rates, and rM_h >= rM_1.
+// it must have; friction points begin at rate 0 and go on with increasing rates, the last torque is
+// no smaller than the one before, and rM_h >= rM_1.
 void check(const Table1& table);
 void check(const Table2& table);
 

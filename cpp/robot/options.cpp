@@ -8,8 +8,17 @@
 namespace manutec_r3::robot {
 namespace {
 
-[[noreturn]] void refuse(const std::string& option, const std::string& why) {
-  throw std::invalid_argument(option + ": expected " + why);
+template <class Got>
+[[noreturn]] void refuse(const std::string& option, const std::string& expected, const Got& got) {
+  std::ostringstream message;
+  message << option << ": expected " << expected << ", got " << got;
+  throw std::invalid_argument(message.str());
+}
+
+template <class Value, std::size_t n>
+[[noreturn]] void refuse_named(const std::string& option, const std::string& expected, Value got,
+                               const Names<n>& names) {
+  refuse(option, expected, "'" + std::string(name_of(got, names)) + "'");
 }
 
 }  // namespace
@@ -43,41 +52,46 @@ void check(Model model, const Options& options) {
   const Options usual = default_options(model);
   if (is_modelica(model)) {
     if (options.controller != Controller::continuous && options.controller != Controller::none) {
-      refuse("controller", "'continuous' or None" + for_model);
+      refuse_named("controller", "'continuous' or None" + for_model, options.controller,
+                   controller_names);
     }
-    if (options.coupling != usual.coupling) refuse("rotor_coupling", "'simplified'" + for_model);
+    for (int i = 0; i < n_axes(model); ++i) {
+      if (options.coupling[i] == usual.coupling[i]) continue;
+      refuse_named("rotor_coupling of axis " + std::to_string(i + 1),
+                   "'simplified'" + for_model + ", whose rotors are not carried",
+                   options.coupling[i], coupling_names);
+    }
   }
-  if (!has_real_gears(model)) {
-    if (options.gear_damping != usual.gear_damping) {
-      refuse("gear_damping", "'parallel'" + for_model + ", whose gears are ideal");
-    }
-    if (options.stiction != usual.stiction) {
-      refuse("stiction", "'exact'" + for_model + ", which has no friction");
-    }
-  } else if (n_axes(model) <= drive::n_elastic && options.stiction != usual.stiction) {
-    refuse("stiction", "'exact'" + for_model + ", whose rigid gears do not move");
+  if (options.gear_damping != usual.gear_damping && !has_real_gears(model)) {
+    refuse_named("gear_damping", "'parallel'" + for_model + ", whose gears are ideal",
+                 options.gear_damping, gear_damping_names);
   }
-  if (n_axes(model) != 3 && options.arm != usual.arm) {
-    refuse("arm", "'six-arm'" + for_model);
+  if (options.stiction != usual.stiction && n_axes(model) == n_elastic(model)) {
+    refuse_named("stiction", "'exact'" + for_model + ", whose gears are all elastic",
+                 options.stiction, stiction_names);
+  }
+  if (options.stiction != usual.stiction && !has_real_gears(model)) {
+    refuse_named("stiction", "'exact'" + for_model + ", which has no friction", options.stiction,
+                 stiction_names);
+  }
+  if (options.arm != usual.arm && n_axes(model) != 3) {
+    refuse_named("arm", "'six-arm'" + for_model + ", whose joints 4 to 6 are not blocked",
+                 options.arm, arm_names);
   }
   if (!(std::isfinite(options.stiffness) && options.stiffness > 0.0)) {
-    std::ostringstream why;
-    why << "a positive k [N m/rad, N m s/rad], got " << options.stiffness;
-    refuse("stiffness", why.str());
+    refuse("stiffness", "a positive k [N m/rad, N m s/rad]", options.stiffness);
   }
   if (!(std::isfinite(options.creep_rate) && options.creep_rate >= 0.0)) {
-    std::ostringstream why;
-    why << "a finite rate of 0 rad/s or more, got " << options.creep_rate;
-    refuse("creep_rate", why.str());
+    refuse("creep_rate", "a finite rate of 0 rad/s or more", options.creep_rate);
   }
   if (std::isinf(options.voltage_limit) && options.voltage_limit > 0.0) return;
-  if (is_modelica(model) || options.controller == Controller::none) {
-    refuse("voltage_limit", "none" + for_model + " without the report's rate controllers");
-  }
   if (!(std::isfinite(options.voltage_limit) && options.voltage_limit > 0.0)) {
-    std::ostringstream why;
-    why << "a positive voltage [V], got " << options.voltage_limit;
-    refuse("voltage_limit", why.str());
+    refuse("voltage_limit", "a positive voltage [V]", options.voltage_limit);
+  }
+  if (is_modelica(model) || options.controller == Controller::none) {
+    const std::string where = is_modelica(model) ? for_model : " with controller=None";
+    refuse("voltage_limit", "none" + where + ", which has no rate controllers of the report",
+           options.voltage_limit);
   }
 }
 

@@ -22,6 +22,7 @@
 #include <array>
 #include <limits>
 #include <string>
+#include <string_view>
 
 #include "drive/gear.hpp"
 
@@ -69,6 +70,20 @@ enum class ArmData {
   lumped,   // the rounded data of R3M2SI
   six_arm,  // those of models 1 and 3
 };
+
+// Options as users write them, in the order of their enums; no controller is None.
+template <std::size_t n>
+using Names = std::array<std::string_view, n>;
+inline constexpr Names<3> controller_names = {"continuous", "sampled", "external"};
+inline constexpr Names<2> coupling_names = {"full", "simplified"};
+inline constexpr Names<2> gear_damping_names = {"parallel", "contact"};
+inline constexpr Names<3> stiction_names = {"exact", "stiff-spring", "stiff-damper"};
+inline constexpr Names<2> arm_names = {"lumped", "six-arm"};
+
+template <std::size_t n>
+std::string_view name_of(auto value, const Names<n>& names) {
+  return names.at(static_cast<std::size_t>(value));
+}
 
 struct Options {
   Controller controller;

@@ -11,9 +11,14 @@ def numbers(name: str, value: Any, expected: str) -> np.ndarray:
         array = np.asarray(value)
     except ValueError:  # ragged
         array = np.array(None)
-    if array.dtype.kind not in "iuf":
+    if array.dtype.kind not in "iuf" or (array is not value and _has_truth_value(value)):
         raise TypeError(f"{name}: expected {expected}, got {value!r}")
     return array.astype(float)
+
+
+def _has_truth_value(value: Any) -> bool:
+    """Whether there is one among numbers, of which NumPy makes a number too."""
+    return any(isinstance(entry, bool | np.bool_) for entry in np.ravel(np.array(value, object)))
 
 
 def number(name: str, value: Any, unit: str) -> float:

@@ -195,7 +195,9 @@ def _peaks(scenario: Scenario, result: Result) -> Table:
             ends = zip(values.min(axis=0), values.max(axis=0), strict=True)
             cells.append([f"{lowest:.3f} to {highest:.3f}" for lowest, highest in ends])
         else:
-            cells.append([f"{peak:.2f}" for peak in np.abs(values).max(axis=0)])
+            peaks = np.abs(values).max(axis=0)
+            # There is no control error without a motion.
+            cells.append(["-" if np.isnan(peak) else f"{peak:.2f}" for peak in peaks])
         footer = ""
         if signal in scenario.published:
             lowest, highest = scenario.published[signal]
@@ -251,6 +253,9 @@ def _work(result: Result) -> Table:
         f"{work.steps} steps, {work.evaluations} evaluations, {work.restarts} restarts "
         f"({result.method}, rtol {result.rtol:g})",
     )
+    if work.samples:
+        each = work.evaluations_per_sample
+        table.add_row("samples", f"{work.samples}, {each:.3g} evaluations each")
     table.add_row(
         "time",
         f"{work.seconds:.3g} s for {simulated:g} s: "

@@ -7,7 +7,7 @@ import numpy as np
 
 
 class Event(NamedTuple):
-    """A branch has switched, the reference has passed a knot, or a limit has been passed.
+    """A branch has switched, the reference has passed a knot, a sample, or a limit was passed.
 
     Attributes
     ----------
@@ -16,10 +16,11 @@ class Event(NamedTuple):
     axis : int
         1 to n_axes; 0: the whole robot.
     element : str
-        ``dead_zone``, ``torque_limit``, ``backlash``, ``friction``, ``reference`` or ``limit``.
+        ``dead_zone``, ``torque_limit``, ``voltage_limit``, ``backlash`` or ``friction`` of an axis;
+        ``reference`` or ``sample``; if asked for, ``limit`` of an axis.
     before, after : int
-        Branches -1, 0, +1; friction: rotor slides backward, sticks, slides forward; limit: 0 is
-        within it.
+        Branches -1, 0, +1. Friction: the rotor, in the Modelica variant the joint on axes 4 to 6,
+        slides backward, sticks, slides forward. Limit: 0 is within it. Reference and sample: 0.
     """
 
     time: float

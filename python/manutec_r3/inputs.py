@@ -146,7 +146,7 @@ def gather(
                 f"got controller={robot.controller!r}"
             )
     if given.get("tip_force") is not None:
-        _check_tip(robot)
+        check_has_tip(robot)
     functions, held = [], []
     for which in (name, "tip_force"):
         value = given.get(which)
@@ -157,7 +157,7 @@ def gather(
         if value is None or is_function:
             held.append(None)
         elif which == "tip_force":
-            held.append(force(robot, value))
+            held.append(force(value))
         else:
             held.append(one_per_axis(which, value, unit, robot.n_axes))
     return Inputs(robot, motion, *functions), Held(*held)
@@ -171,18 +171,18 @@ def one_per_axis(name: str, value: Sequence[float], unit: str, n_axes: int) -> n
     return array
 
 
-def force(robot: Robot, value: Sequence[float]) -> np.ndarray:
+def check_has_tip(robot: Robot) -> None:
+    """Refuse the robot that is an axis alone: a force would do nothing."""
+    if robot.n_axes == 1:
+        raise ValueError(f"tip_force: expected none for model {robot.model}, which has no tip")
+
+
+def force(value: Sequence[float]) -> np.ndarray:
     """Return a force on the tip, an array (3,) [N]."""
-    _check_tip(robot)
     array = floats("tip_force", value, "N")
     if array.shape != (3,):
         raise ValueError(f"tip_force: expected three components [N], got shape {array.shape}")
     return array
-
-
-def _check_tip(robot: Robot) -> None:
-    if robot.model == "one-axis":
-        raise ValueError("tip_force: expected a robot with a load, got model one-axis")
 
 
 def braked(value: Sequence[bool] | bool, n_axes: int) -> list[bool]:

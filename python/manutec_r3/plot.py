@@ -72,11 +72,12 @@ def figure9(result: Result) -> "Figure":
     """
     n = result.robot.n_axes
     figure = _figure(_title(result), height=1.8 + 1.65 * n)
-    panels = figure.subplots(n, 3, sharex=True)
+    panels = figure.subplots(n, 3, sharex=True, squeeze=False)
 
     for i, (angle, error, torque) in enumerate(panels):
-        reference = result.reference_angle[:, i]
-        angle.plot(result.time, reference, color=_REFERENCE, linewidth=4.5, label="reference")
+        if result.motion is not None:
+            reference = result.reference_angle[:, i]
+            angle.plot(result.time, reference, color=_REFERENCE, linewidth=4.5, label="reference")
         _draw(angle, result.time, result.joint_angle[:, i])
         _draw(error, result.time, 1e3 * result.control_error[:, i], unit="mrad")
         _draw(torque, result.time, result.motor_torque[:, i], unit="N m")
@@ -211,16 +212,27 @@ def _figure(title: str, height: float) -> "Figure":
 
 
 def _title(result: Result) -> str:
-    load = result.robot.load
-    carried = f"load {load.mass:g} kg" if load and load.mass else "no load"
-    return f"Manutec r3, model {result.robot.model}, {carried}"
+    robot = result.robot
+    carried = f"load {robot.load.mass:g} kg" if robot.load.mass else "no load"
+    if robot.model == "full-robot":
+        return f"Manutec r3, full robot of the Modelica variant, {carried}"
+    if robot.model == "one-axis":
+        inertia = robot.parameters["table_3"]["arms"][0]["I33"]
+        moved = f"{inertia:g} {_typeset('kg m^2')}"
+        return f"Manutec r3, one axis of the Modelica variant, inertia {moved}"
+    return f"Manutec r3, model {robot.model}, {carried}"
 
 
 def _draw(panel: "Axes", time: np.ndarray, values: np.ndarray, unit: str | None = None) -> None:
     """Draw a signal, with a line at zero and its peak if there is a unit to name it in."""
+    if np.isnan(values).all():  # there is no control error without a motion
+        _note(panel, "no reference")
+        panel.tick_params(left=False, labelleft=False)
+        return
     panel.plot(time, values, color=_SIMULATED, linewidth=1.2, label="simulated")
-    if unit and np.isfinite(values).all():  # there is no control error without a motion
-        panel.axhline(0.0, color=_LINE, linewidth=0.6, zorder=1)
+    if unit:
+        if values.any():
+            panel.axhline(0.0, color=_LINE, linewidth=0.6, zorder=1)
         peak = np.argmax(np.abs(values))
         _note(panel, f"peak {values[peak]:#.3g} {unit} at {time[peak]:.2f} s")
 

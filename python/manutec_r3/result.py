@@ -27,7 +27,7 @@ class Statistics:
     steps, rejected_steps : int
         Accepted; rejected by the error control.
     events : int
-        Branches that switched and knots of the reference; samples, if they are listed.
+        Branches that switched, knots of the reference, and samples if they are listed.
     restarts : int
         Of the integration: one for all events of an instant, listed or not, one for each kink of
         the friction characteristic, for each knot and each setting of an input, and one when a
@@ -125,7 +125,7 @@ class Result(Samples):
     robot : Robot
         What was simulated.
     motion : Motion or None
-        Its reference.
+        Its reference; without one `reference_angle`, `reference_rate` and `control_error` are NaN.
     t_end : float
         Where the run ended [s].
     method : {"erk", "bdf"}
@@ -133,7 +133,8 @@ class Result(Samples):
     rtol : float
         Its tolerance, relative to the states' nominal values as well as to their values.
     events : Events
-        Every switch of every branch; if asked for, when limits are exceeded and kept again.
+        Every switch of every branch and every knot of the reference; if asked for, the samples of a
+        sampled controller, and when limits are exceeded and kept again.
     statistics : Statistics
         What it took.
     status : str

@@ -23,6 +23,8 @@ _OPTIONS = (
     "creep_rate",
     "voltage_limit",
 )
+# What they are if nothing is given is up to the model.
+_OPTIONS_OF_MODEL = ("rotor_coupling", "arm", "voltage_limit")
 
 
 @dataclass(frozen=True)
@@ -154,17 +156,15 @@ class Robot:
         for name in TABLES:
             if isinstance(rows := getattr(self, name), Mapping):
                 object.__setattr__(self, name, Rows(rows))
-        # The model's own, where nothing was given.
-        for name, value in self._compiled.options.items():
-            object.__setattr__(self, name, value)
+        for name in _OPTIONS_OF_MODEL:
+            object.__setattr__(self, name, self._compiled.options[name])
 
     @cached_property
     def _compiled(self) -> _core.Robot:
         options = {name: getattr(self, name) for name in _OPTIONS}
-        given = {k: v for k, v in options.items() if v is not None or k == "controller"}
-        tables = _core.default_tables(self.model)
+        given = {k: v for k, v in options.items() if v is not None or k not in _OPTIONS_OF_MODEL}
         changes = {name: getattr(self, name) for name in TABLES}
-        tables = replaced(self.model, tables, changes)
+        tables = replaced(_core.default_tables(self.model), changes, _core.table_units(self.model))
         return _core.Robot(self.model, self.load._compiled, given, tables)
 
     def __getstate__(self) -> dict:
@@ -189,7 +189,7 @@ class Robot:
     def replace(self, **changes: Any) -> "Robot":
         """Return a robot that differs in some arguments of the constructor.
 
-        Rows of tables are added to those that this robot has replaced already.
+        Entries of tables are added to those that this robot has replaced already.
 
         Raises
         ------
@@ -210,7 +210,7 @@ class Robot:
         else:
             # What is replaced on one axis leaves the others as they are.
             rows = {name: changes[name] for name in TABLES if changes.get(name) is not None}
-            tables = replaced(self.model, self.parameters, rows)
+            tables = replaced(self.parameters, rows, _core.table_units(self.model))
             for name in rows:
                 whole = {symbol: tables[name][symbol] for symbol in rows[name]}
                 changes[name] = {**(same[name] or {}), **whole}

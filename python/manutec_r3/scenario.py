@@ -2,7 +2,7 @@
 
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from importlib.resources import files
@@ -11,10 +11,11 @@ from math import isfinite
 from pathlib import Path
 from typing import Any, NamedTuple, Self, get_args
 
+from .errors import SimulationError
 from .motion import Hold, Motion, Quintic, Sequence, Spline, Trapezoid
 from .result import Method, Result
 from .robot import Load, Robot
-from .simulation import simulate
+from .simulation import Simulator, simulate
 from .tables import TABLES
 
 _FOLDER = files(__package__) / "scenarios"
@@ -94,7 +95,10 @@ class Scenario:
         content = file.read_bytes()
         with _at(file):
             source = content.decode()
-            return cls(name, **_settings(tomllib.loads(source)), source=source)
+            scenario = cls(name, **_settings(tomllib.loads(source)), source=source)
+            with suppress(SimulationError):  # a start that no run can begin with is left to `run`
+                Simulator(**scenario._arguments)
+        return scenario
 
     def run(self, **overrides: Any) -> Result:
         """Simulate.
@@ -105,9 +109,13 @@ class Scenario:
             Arguments of `simulate` that take the place of the scenario's own, such as ``rtol``,
             or that it does not have, such as ``times``.
         """
-        names = ("robot", "motion", "t_end", "rtol", "method", "start")
-        settings = {name: getattr(self, name) for name in names}
-        return simulate(**settings | dict(self.inputs) | overrides)
+        return simulate(**{"t_end": self.t_end} | self._arguments | overrides)
+
+    @property
+    def _arguments(self) -> dict[str, Any]:
+        """What a `Simulator` is made of."""
+        names = ("robot", "motion", "rtol", "method", "start")
+        return {name: getattr(self, name) for name in names} | dict(self.inputs)
 
 
 def _find(name_or_path: str | Path) -> tuple[str, Traversable]:
@@ -213,13 +221,17 @@ _ROBOT_OPTIONS = {
 }
 _LOAD = {"mass": _Kind("a mass [kg]", _is_number)}
 _FLAG = _Kind("true or false", lambda value: isinstance(value, bool))
+_BRAKES = _Kind(
+    "true, false or a list of them",
+    lambda value: all(isinstance(on, bool) for on in (value if type(value) is list else [value])),
+)
 _POINT = _Kind("three coordinates [m]", lambda value: _is_list(value, 3))
 _LOAD_OPTIONS = {"position": _POINT, "bounds": _FLAG}
 _INPUTS_OPTIONS = {
     "motor_torque": _list_of("motor torques [N m]"),
     "command": _list_of("voltages [V]"),
     "tip_force": _Kind("three components [N]", lambda value: _is_list(value, 3)),
-    "brakes": _FLAG,
+    "brakes": _BRAKES,
 }
 _SOLVER_OPTIONS = {"rtol": _positive("number"), "method": _METHOD}
 _PUBLISHED_OPTIONS = dict.fromkeys(("joint_angle", "control_error", "motor_torque"), _RANGE)
@@ -271,7 +283,7 @@ def _motion(table: dict[str, Any]) -> Motion:
         raise ValueError(f"type is missing, expected one of {known}")
     name = table["type"]
     if not isinstance(name, str) or name not in _MOTIONS:
-        raise ValueError(f"type: expected one of {known}, got {name!r}{_hint(name, _MOTIONS)}")
+        raise ValueError(f"type: expected one of {known}, got {name!r}{_near(name, _MOTIONS)}")
     motion, required, optional = _MOTIONS[name]
     arguments = {key: value for key, value in table.items() if key != "type"}
     _check(arguments, required, optional)
@@ -303,9 +315,14 @@ def _check(
 
 
 def _hint(name: object, known: Iterable[str]) -> str:
+    """Suggest what may have been meant, or all that is known."""
+    return _near(name, known) or f", known are {', '.join(known)}"
+
+
+def _near(name: object, known: Iterable[str]) -> str:
     """Suggest what may have been meant."""
     near = get_close_matches(str(name), known, n=1)
-    return f", did you mean {near[0]!r}?" if near else f", known are {', '.join(known)}"
+    return f", did you mean {near[0]!r}?" if near else ""
 
 
 @contextmanager

@@ -11,7 +11,7 @@ from . import _core
 from .arguments import floats, number, numbers
 from .errors import SimulationError
 from .events import Event, Events
-from .inputs import Input, Inputs, braked, force, gather, input_of, one_per_axis
+from .inputs import Input, Inputs, braked, check_has_tip, force, gather, input_of, one_per_axis
 from .motion import Motion
 from .result import Method, Result, Run, Statistics
 from .robot import Robot
@@ -327,7 +327,8 @@ class Simulator(Signals):
     def tip_force(self, value: Sequence[float]) -> None:
         if self.inputs.tip_force is not None:
             raise AttributeError("tip_force: it is a function of time and cannot be set")
-        self._set(self._compiled.set_tip_force, force(self.robot, value))
+        check_has_tip(self.robot)
+        self._set(self._compiled.set_tip_force, force(value))
 
     @property
     def brakes(self) -> np.ndarray:
@@ -461,17 +462,31 @@ class Simulator(Signals):
         """
         if not isinstance(saved, SavedState):
             raise TypeError(f"saved: expected what save() returned, got {saved!r}")
-        if saved.of != (self.inputs, self.method, self.rtol):
-            inputs, method, rtol = saved.of
-            raise ValueError(
-                f"saved: expected a state of {self.inputs}, method {self.method!r}, "
-                f"rtol {self.rtol:g}; got one of {inputs}, method {method!r}, rtol {rtol:g}"
-            )
+        expected, got = _identity(self.inputs, self.method, self.rtol), _identity(*saved.of)
+        for name, value in expected.items():
+            if got[name] != value:
+                raise ValueError(
+                    f"saved: expected a state of a simulator with {name} {value!r}; "
+                    f"got one with {name} {got[name]!r}"
+                )
         self._compiled.restore(saved.core)
         self._untold = list(saved.untold)
 
     def __repr__(self) -> str:
         return f"<Simulator of model {self.robot.model} at {self.time:g} s>"
+
+
+def _identity(inputs: Inputs, method: Method, rtol: float) -> dict[str, object]:
+    """Return what simulators have in common if one can restore what another has saved."""
+    of_axes, _ = input_of(inputs.robot) or ("", "")
+    return {
+        "robot": inputs.robot,
+        "motion": inputs.motion,
+        of_axes: inputs.of_axes,
+        "tip_force": inputs.tip_force,
+        "method": method,
+        "rtol": rtol,
+    }
 
 
 def _method(robot: Robot, method: Method | None) -> Method:

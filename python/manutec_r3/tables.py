@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from . import _core
-from .arguments import floats, numbers
+from .arguments import floats, number
 
 TABLES = ("table_1", "table_2", "table_3")
+
+Units = Mapping[str, str]
 
 
 class Rows(Mapping):
@@ -40,19 +41,19 @@ def _frozen(value: Any) -> Any:
 
 
 def replaced(
-    model: int | str, tables: dict[str, Any], changes: Mapping[str, Any]
+    tables: Mapping[str, Any], changes: Mapping[str, Any], units: Mapping[str, Units]
 ) -> dict[str, Any]:
     """Return tables in which rows are replaced.
 
     Parameters
     ----------
-    model : int or str
-        Of the robot.
-    tables : dict
+    tables : mapping
         ``table_1`` to ``table_3`` as `Robot.parameters` shows them.
     changes : mapping
         The same names with the rows to replace. A row of one entry per axis is given as a sequence
         of all of them, as a mapping of axes (from 1) to entries, or as one number for all.
+    units : mapping
+        The same names with the units of their symbols.
 
     Raises
     ------
@@ -60,7 +61,6 @@ def replaced(
         Which table, symbol and axis, what was expected, what arrived. What the numbers mean is
         checked by the core.
     """
-    units = _core.table_units(model)
     result = dict(tables)
     for name, rows in changes.items():
         if rows is None:
@@ -70,96 +70,80 @@ def replaced(
         result[name] = dict(tables[name])
         for symbol, value in rows.items():
             _check_known(name, symbol, tables[name])
-            result[name][symbol] = _row(name, symbol, units[name], tables[name][symbol], value)
+            where = f"{name} {symbol}"
+            old = tables[name][symbol]
+            if isinstance(old, list | tuple):
+                new = _row(where, symbol, old, value, units[name])
+            else:
+                new = _entry(where, symbol, old, value, units[name])
+            result[name][symbol] = new
     return result
 
 
-def _row(table: str, symbol: str, units: dict[str, str], old: Any, new: Any) -> Any:
-    """Check what takes the place of a row."""
-    where = f"{table} {symbol}"
-    if not isinstance(old, list | tuple):  # of the whole robot
-        return (
-            _body(where, units, old, new)
-            if symbol == "lumped_arm_3"
-            else _number(where, units[symbol], new)
-        )
-
-    def entry(axis: int, value: Any) -> Any:
-        here = f"{where} of axis {axis}"
-        if symbol == "arms":
-            return _body(here, units, old[axis - 1], value)
-        if symbol == "friction":
-            return _points(here, value)
-        if symbol == "rn":
-            return _letter(here, value)
-        return _number(here, units[symbol], value, may_be_infinite=symbol == "joint_limits")
-
+def _row(where: str, symbol: str, old: Sequence, new: Any, units: Units) -> Sequence:
+    """One entry per axis."""
     n = len(old)
+
+    def entry(axis: int, given: Any) -> Any:
+        return _entry(f"{where} of axis {axis}", symbol, old[axis - 1], given, units)
+
     if isinstance(new, Mapping):
         row = list(old)
-        for axis, value in new.items():
+        for axis, given in new.items():
             if isinstance(axis, bool) or not isinstance(axis, int | np.integer):
                 raise TypeError(f"{where}: expected the number of an axis, got {axis!r}")
             if not 1 <= axis <= n:
-                raise ValueError(f"{where}: expected an axis from 1 to {n}, got {axis}")
-            row[axis - 1] = entry(int(axis), value)
+                axes = f"an axis from 1 to {n}" if n > 1 else "axis 1 only"
+                raise ValueError(f"{where}: expected {axes}, got {axis}")
+            row[axis - 1] = entry(axis, given)
         return row
-    if isinstance(old[0], float) and isinstance(new, int | float | np.number):
+    if isinstance(old[0], float) and not isinstance(new, str | Sequence | np.ndarray):
         new = [new] * n
     if isinstance(new, str) or not isinstance(new, Sequence | np.ndarray) or len(new) != n:
+        entries = f"{n} entries, one per axis," if n > 1 else "one entry"
         raise ValueError(
-            f"{where}: expected {n} entries, one per axis, or a mapping of axes to entries, "
-            f"got {new!r}"
+            f"{where}: expected {entries} or a mapping of axes to entries, got {new!r}"
         )
-    return [entry(axis, value) for axis, value in enumerate(new, start=1)]
+    return [entry(axis, given) for axis, given in enumerate(new, start=1)]
 
 
-def _number(where: str, unit: str, value: Any, may_be_infinite: bool = False) -> float:
-    array = numbers(where, value, f"one number [{unit}]")
-    if array.ndim != 0:
-        raise ValueError(f"{where}: expected one number [{unit}], got shape {array.shape}")
-    if not (np.isfinite(array) or (may_be_infinite and array == np.inf)):
-        raise ValueError(f"{where}: expected a finite number [{unit}], got {array}")
-    return float(array)
-
-
-def _points(where: str, value: Any) -> list:
-    points = floats(where, value, "rad/s, N m")
-    if points.ndim != 2 or points.shape[1] != 2:
+def _entry(where: str, symbol: str, old: Any, new: Any, units: Units) -> Any:
+    """Check what takes the place of a number, an arm, points of friction, or a letter."""
+    if isinstance(old, dict):
+        if not isinstance(new, Mapping):
+            raise TypeError(f"{where}: expected a mapping of symbols to values, got {new!r}")
+        arm = dict(old)
+        for inner, value in new.items():
+            _check_known(where, inner, old)
+            arm[inner] = _entry(f"{where}, {inner}", inner, old[inner], value, units)
+        return arm
+    if symbol == "axis":
+        if new != old:
+            raise ValueError(f"{where}: expected {old!r}, which cannot be replaced, got {new!r}")
+        return old
+    if symbol == "rn":
+        if not isinstance(new, str) or new not in ("x", "y", "z"):
+            raise ValueError(f"{where}: expected 'x', 'y' or 'z', got {new!r}")
+        return new
+    if symbol == "friction":
+        points = floats(where, new, "rad/s, N m")
+        if points.ndim != 2 or points.shape[1] != 2:
+            raise ValueError(
+                f"{where}: expected points (rotor rate [rad/s], torque [N m]), "
+                f"got shape {points.shape}"
+            )
+        return points.tolist()
+    unit = units[symbol]
+    if not isinstance(old, list | tuple):
+        # A joint limit may be infinite, which means none.
+        is_no_limit = symbol == "joint_limits" and isinstance(new, float) and new == np.inf
+        return new if is_no_limit else number(where, new, unit)
+    coordinates = floats(where, new, unit)
+    if coordinates.shape != (3,):
         raise ValueError(
-            f"{where}: expected points (rotor rate [rad/s], torque [N m]), got shape {points.shape}"
+            f"{where}: expected three coordinates [{unit}], got shape {coordinates.shape}"
         )
-    return points.tolist()
-
-
-def _letter(where: str, value: Any) -> str:
-    if value not in ("x", "y", "z"):
-        raise ValueError(f"{where}: expected 'x', 'y' or 'z', got {value!r}")
-    return value
-
-
-def _body(where: str, units: dict[str, str], old: dict[str, Any], new: Any) -> dict[str, Any]:
-    """Check what takes the place of an arm, or of some of its numbers."""
-    if not isinstance(new, Mapping):
-        raise TypeError(f"{where}: expected a mapping of symbols to values, got {new!r}")
-    body = dict(old)
-    for symbol, value in new.items():
-        _check_known(where, symbol, old)
-        here = f"{where}, {symbol}"
-        if symbol == "axis" or (symbol == "offset" and "lumped_arm_3" in where):
-            fixed = list(value) if symbol == "offset" else value
-            if fixed != old[symbol]:
-                raise ValueError(f"{here}: expected {old[symbol]!r}, which is fixed, got {value!r}")
-        elif isinstance(old[symbol], float):
-            body[symbol] = _number(here, units[symbol], value)
-        else:
-            coordinates = floats(here, value, units[symbol])
-            if coordinates.shape != (3,):
-                raise ValueError(
-                    f"{here}: expected three coordinates [m], got shape {coordinates.shape}"
-                )
-            body[symbol] = coordinates.tolist()
-    return body
+    return coordinates.tolist()
 
 
 def _check_known(where: str, symbol: object, known: Mapping[str, Any]) -> None:
