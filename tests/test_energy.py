@@ -114,7 +114,9 @@ def energies(samples, robot):
 def test_power_balance_closes(name, options, share):
     run = RUNS[name]
     books = balance(run.simulate(**options), run.independent_robot, run.inputs.get("tip_force"))
-    assert books.gap <= share * books.turned_over
+    # Of a robot that hardly moves the motors turn over less than 0.1 J, while the energies whose
+    # differences are taken are hundreds of joules: it is judged as if they turned over one.
+    assert books.gap <= share * max(books.turned_over, 1.0)
 
 
 @pytest.mark.parametrize("name", [name for name in MOVING if name[0] in "34"] + ["section-10"])

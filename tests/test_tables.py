@@ -212,11 +212,11 @@ MISTAKES = [
     ("table_1", "K_V", {7: 0.3}, "K_V: expected an axis from 1 to 6, got 7"),
     ("table_1", "K_V", {"2": 0.3}, "K_V: expected the number of an axis, got '2'"),
     ("table_1", "K_V", {True: 0.3}, "K_V: expected the number of an axis, got True"),
-    ("table_1", "K_V", [0.3] * 5, r"K_V: expected 6 entries, one per axis, .*, got \[0"),
+    ("table_1", "K_V", [0.3] * 5, r"K_V: expected 6 entries, one per axis, .*, got \(0"),
     ("table_1", "K_V", "fast", "K_V: expected 6 entries, one per axis, .*, got 'fast'"),
     ("table_1", "T", [0.008] * 6, r"T: expected one number \[s\], got shape \(6,\)"),
     ("table_2", "c", {4: 50.0}, "c: expected an axis from 1 to 3, got 4"),
-    ("table_2", "c", [50.0] * 6, r"c: expected 3 entries, one per axis, .*, got \[50"),
+    ("table_2", "c", [50.0] * 6, r"c: expected 3 entries, one per axis, .*, got \(50"),
     ("table_3", "rn", {2: "w"}, "rn of axis 2: expected 'x', 'y' or 'z', got 'w'"),
     ("table_3", "rn", {2: 1}, "rn of axis 2: expected 'x', 'y' or 'z', got 1"),
     ("table_3", "rn", "zxxzxz", "rn: expected 6 entries, one per axis, .*, got 'zxxzxz'"),
@@ -239,7 +239,7 @@ MISTAKES = [
     ),
     (
         *("table_3", "arms", {2: {"offset": [0.1, True, 0.2]}}),
-        r"arms of axis 2, offset: expected numbers \[m\], got \[0\.1, True, 0\.2\]",
+        r"arms of axis 2, offset: expected numbers \[m\], got \(0\.1, True, 0\.2\)",
     ),
     # names, with a suggestion
     ("table_1", "KV", 0.3, ".*unknown symbol 'KV', did you mean 'K_V'"),
@@ -259,7 +259,7 @@ def test_a_mistake_is_named_with_table_symbol_and_axis(table, symbol, given, mes
     ("symbol", "given", "message"),
     [
         ("kp", {2: 5.0}, "kp: expected axis 1 only, got 2"),
-        ("kp", [5.0] * 6, r"kp: expected one entry or .*, got \[5"),
+        ("kp", [5.0] * 6, r"kp: expected one entry or .*, got \(5"),
         ("K_V", 0.3, ".*unknown symbol 'K_V', known are kp, ks"),
     ],
 )

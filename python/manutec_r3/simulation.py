@@ -498,6 +498,7 @@ def _method(robot: Robot, method: Method | None) -> Method:
         raise ValueError(f"method: expected 'erk' or 'bdf', got {method!r}")
     if is_stiff and method != "bdf":
         raise ValueError(
-            f"method: expected 'bdf' for stiction={robot.stiction!r}, which is stiff, got {method!r}"
+            f"method: expected 'bdf' for stiction={robot.stiction!r}, which is stiff, "
+            f"got {method!r}"
         )
     return method
