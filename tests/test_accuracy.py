@@ -133,18 +133,20 @@ def test_the_sequence_of_events_does_not_depend_on_the_tolerance(name):
     errors = [np.abs(t - times[-1]).max(initial=0.0) for t in times]
     # Measured: 1.3e-7 s at the loosest tolerance, 7e-12 s at 1e-9, 2.4e-12 s at 1e-10. Steps are
     # limited by stability there: errors of a single run may by luck be smaller than the next one's.
-    # Ten times that.
-    assert errors[0] <= 1.3e-6
-    assert errors[4] <= 7e-11
-    assert errors[5] <= 2.4e-11
+    # Without controllers the tolerance alone limits them: 1e-6 s, 1.1e-10 s, 1e-11 s. Ten times it.
+    free = RUNS[name].options.get("controller", "continuous") is None
+    assert errors[0] <= (1e-5 if free else 1.3e-6)
+    assert errors[4] <= (1e-9 if free else 7e-11)
+    assert errors[5] <= (1e-10 if free else 2.4e-11)
 
 
 @pytest.mark.parametrize(
-    # Left out are two whose order really hangs on the accuracy that BDF has at loose tolerances:
+    # Left out are three whose order really hangs on the accuracy that BDF has at loose tolerances:
     # in "3-trapezoid" two dead zones open at one instant, which only ERK hits exactly; in
-    # "3-hold-disturbed" gear 1 comes to lie against the edge of its backlash for ever.
+    # "3-hold-disturbed" gear 1 comes to lie against the edge of its backlash for ever; and
+    # "4-contact-landing" ends just before gear 1 meets its edge.
     "name",
-    [name for name in RUNS if name not in ("3-trapezoid", "3-hold-disturbed")],
+    [name for name in RUNS if name not in ("3-trapezoid", "3-hold-disturbed", "4-contact-landing")],
 )
 def test_both_methods_find_the_same_sequence_at_every_tolerance(name):
     expected = RUNS[name].simulate(rtol=1e-11).events
@@ -217,6 +219,22 @@ def test_a_restored_simulator_goes_on_as_before(which):
     assert simulator.step(0.2) == events
     np.testing.assert_array_equal(simulator.state, state)
     assert len(events) > 10
+
+
+@pytest.mark.parametrize("name", ["3-quintic", "3-sampled"])
+def test_a_run_restored_from_anywhere_meets_the_same_events(name):
+    run = RUNS[name]
+    expected = list(run.simulate(t_end=0.12).events)
+    simulator, saved = run.simulator(), []
+    while simulator.time < 0.1:  # at every place between two samples
+        saved.append(simulator.save())
+        simulator.step(7e-4)
+    for state in saved:
+        again, events = run.simulator(), []
+        again.restore(state)
+        while (event := again.step_to_event(0.12)) is not None:
+            events.append(event)
+        assert events == [event for event in expected if event.time > state.time]
 
 
 @pytest.mark.parametrize("method", ["erk", "bdf"])

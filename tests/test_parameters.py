@@ -178,3 +178,16 @@ def test_what_a_robot_prints_and_pickles_is_that_robot(robot):
         assert hash(again) == hash(robot)
         assert again.parameters == robot.parameters
     assert sum(other == robot for other in ROBOTS) == 1
+
+
+def test_nobody_can_change_the_tables_of_a_robot():
+    given = {"K_V": np.full(6, 0.35), "a": {2: 0.05}}
+    robot = r3.Robot(3, table_1=given)
+    given["K_V"][0] = given["a"][2] = 9.0
+    with pytest.raises(TypeError, match="does not support item assignment"):
+        robot.table_1["K_V"] = 0.9
+    with pytest.raises(TypeError, match="does not support item assignment"):
+        robot.table_1["a"][2] = 0.9
+    robot.parameters["table_1"]["K_V"][0] = 7.0
+    assert robot.parameters["table_1"]["K_V"] == [0.35] * 6
+    assert pickle.loads(pickle.dumps(robot)) == robot == r3.Robot(3, table_1=dict(robot.table_1))

@@ -62,6 +62,10 @@ class System {
   // dx/dt at frozen branches: smooth, also a little beyond the switching points. Allocates nothing.
   virtual void derivatives(double t, const double* x, double* derivatives) = 0;
 
+  // Sets to zero, in a state or in a derivative of it, what the present branches hold at zero: the
+  // roundoff of a linear solver shall not move it.
+  virtual void hold(double*) const {}
+
   // Positive inside the domain of the present branches. An indicator that means nothing in the
   // present branches is a positive constant.
   virtual void indicators(double t, const double* x, double* values) = 0;

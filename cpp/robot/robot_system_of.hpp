@@ -73,6 +73,12 @@ class RobotSystemOf final : public RobotSystem {
     equations_.derivatives(t, x, derivatives);
   }
 
+  void hold(double* x) const override {
+    for (int i = 0; i < N; ++i) {
+      if (equations_.sticking[i]) x[equations_.index_of_rate(i)] = 0.0;
+    }
+  }
+
   // --- indicators -------------------------------------------------------------------------------
 
   void indicators(double t, const double* x, double* z) override {

@@ -102,7 +102,9 @@ void BackwardDifferences::advance(double stop, hybrid::Step& step, double* x1) {
     for (int k = 1; k <= order; ++k) {
       check(CVodeGetDky(cvode_, t_, k, derivative_));
       std::copy_n(derivative_.data(), n, kept + k * n);
+      f_.system().hold(kept + k * n);
     }
+    f_.system().hold(x1);
     if (flag == CV_TSTOP_RETURN) t_ = stop;
   }
   std::copy_n(x1, n, kept);
