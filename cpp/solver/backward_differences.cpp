@@ -96,6 +96,7 @@ void BackwardDifferences::advance(double stop, hybrid::Step& step, double* x1) {
     if (!(t_ > step.t0)) {
       throw hybrid::SimulationFailure("steps have become too short to advance the time");
     }
+    f_.system().hold(x_.data());
     std::copy_n(x_.data(), n, x1);
     int order = 0;
     check(CVodeGetLastOrder(cvode_, &order));
@@ -104,7 +105,6 @@ void BackwardDifferences::advance(double stop, hybrid::Step& step, double* x1) {
       std::copy_n(derivative_.data(), n, kept + k * n);
       f_.system().hold(kept + k * n);
     }
-    f_.system().hold(x1);
     if (flag == CV_TSTOP_RETURN) t_ = stop;
   }
   std::copy_n(x1, n, kept);
