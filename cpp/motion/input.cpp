@@ -2,18 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
 namespace manutec_r3::motion {
-namespace {
-
-// How far inside a piece its end is looked at, in parts of t: a few units in the last place.
-constexpr double inside_end = 1e-15;
-
-}  // namespace
 
 Input::Input(int size, Function function, std::vector<double> knots)
     : size_(size), function_(std::move(function)), knots_(std::move(knots)) {
@@ -36,7 +29,7 @@ double Input::end_of(int piece) const {
 
 void Input::evaluate(int piece, double t, double* values) const {
   if (piece > 0) t = std::max(t, knots_[piece - 1]);
-  if (const double end = end_of(piece); t >= end) t = end - inside_end * std::abs(end);
+  if (const double end = end_of(piece); std::isfinite(end)) t = std::min(t, just_before(end));
   function_(t, values);
 }
 

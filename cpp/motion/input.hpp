@@ -4,10 +4,17 @@
 // asked beyond the piece's ends: at a knot it may already give what comes after.
 #pragma once
 
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <vector>
 
 namespace manutec_r3::motion {
+
+// The latest instant that lies before t however t has been rounded.
+inline double just_before(double t) {
+  return t - 4.0 * (t - std::nextafter(t, -std::numeric_limits<double>::infinity()));
+}
 
 class Input {
  public:

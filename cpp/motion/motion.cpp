@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "motion/input.hpp"
 #include "motion/spline.hpp"
 
 namespace manutec_r3::motion {
@@ -23,9 +24,6 @@ constexpr double shortest_piece = 1e-9;
 // Accelerations are differences of rates over this time, in which hardly anything changes and ten
 // digits of the difference survive [s].
 constexpr double difference_time = 1e-5;
-
-// The latest instant that lies before t however t has been rounded.
-double just_before(double t) { return t - 4.0 * (t - std::nextafter(t, -infinity)); }
 
 template <class Value>
 [[noreturn]] void refuse(const std::string& field, const std::string& expected, Value got) {

@@ -12,7 +12,7 @@ bisection on the dense output.
 """
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import Legendre, legval
@@ -21,11 +21,10 @@ from . import _core
 from .events import Event
 
 if TYPE_CHECKING:
-    from .result import Samples
     from .robot import Robot
 
     # From instants (n,) and the steps (n,) they belong to: signals, or one of them (n, n_axes).
-    SamplesInside = Callable[[np.ndarray, np.ndarray], Samples]
+    SamplesInside = Callable[[np.ndarray, np.ndarray], Any]  # Samples of a run
     Inside = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 # A motor that is at its torque limit for longer than this is told [s]: longer than the slowest time
