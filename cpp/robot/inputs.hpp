@@ -10,9 +10,9 @@ namespace manutec_r3::robot {
 
 // Each may be missing. Inputs that are not functions of time are set while the robot moves.
 struct Inputs {
-  std::shared_ptr<const motion::Motion> motion;    // reference of the position controllers
-  std::shared_ptr<const motion::Input> of_axes;    // rF [N m] without a controller, or u_c [V]
-  std::shared_ptr<const motion::Input> tip_force;  // in the world [N], acts on the load
+  std::shared_ptr<const motion::Motion> motion = {};    // reference of the position controllers
+  std::shared_ptr<const motion::Input> of_axes = {};    // rF [N m] without a controller, or u_c [V]
+  std::shared_ptr<const motion::Input> tip_force = {};  // in the world [N], acts on the load
 };
 
 }  // namespace manutec_r3::robot
