@@ -8,7 +8,6 @@
 
 #include <array>
 #include <limits>
-#include <string>
 
 namespace manutec_r3::arm {
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
+#include <string>
 
 #include "drive/modelica_parameters.hpp"
 
@@ -23,6 +24,18 @@ constexpr double shortest_sampling_time = 1e-6;
 
 std::string of_axis(const std::string& where, std::size_t axis) {
   return where + " of axis " + std::to_string(axis + 1);
+}
+
+void require(const std::string& where, const std::string& unit, Sign sign, double value) {
+  const bool good = sign == Sign::not_zero       ? value != 0.0
+                    : sign == Sign::not_negative ? value >= 0.0
+                                                 : value > 0.0;
+  if (std::isfinite(value) && good) return;
+  refuse(where,
+         sign == Sign::not_zero       ? "a finite value other than 0"
+         : sign == Sign::not_negative ? "a finite value of 0 or more"
+                                      : "a positive finite value",
+         unit, value);
 }
 
 // A row of a table, in its different shapes.
@@ -68,20 +81,6 @@ void check_rows(const std::string& name, const Table& table) {
 }
 
 }  // namespace
-
-void require(const std::string& where, const std::string& unit, Sign sign, double value) {
-  const bool good = sign == Sign::any            ? true
-                    : sign == Sign::not_zero     ? value != 0.0
-                    : sign == Sign::not_negative ? value >= 0.0
-                                                 : value > 0.0;
-  if (std::isfinite(value) && good) return;
-  refuse(where,
-         sign == Sign::any            ? "a finite value"
-         : sign == Sign::not_zero     ? "a finite value other than 0"
-         : sign == Sign::not_negative ? "a finite value of 0 or more"
-                                      : "a positive finite value",
-         unit, value);
-}
 
 void check(const Table1& table) {
   check_rows("table_1", table);

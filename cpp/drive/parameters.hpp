@@ -3,19 +3,14 @@
 #pragma once
 
 #include <array>
-#include <string>
 #include <vector>
 
 namespace manutec_r3::drive {
 
 using Row = std::array<double, 6>;
 
-// What a number must be.
-enum class Sign { any, not_zero, not_negative, positive };
-
-// Throws std::invalid_argument unless a value is finite and of this sign. `where` names table,
-// symbol and axis.
-void require(const std::string& where, const std::string& unit, Sign sign, double value);
+// What a finite number must be.
+enum class Sign { not_zero, not_negative, positive };
 
 // --- Table 1: controllers and motors ------------------------------------------------------------
 
