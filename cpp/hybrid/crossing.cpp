@@ -35,4 +35,12 @@ double Cubic::root(double inside, double outside) const {
   return 0.5 * (inside + outside);
 }
 
+CubicWeights::CubicWeights(double a, double b, double t) {
+  const double h = b - a, s = (t - a) / h, r = 1.0 - s;
+  z_a_ = r * r * (1.0 + 2.0 * s);
+  z_b_ = s * s * (1.0 + 2.0 * r);
+  slope_a_ = h * s * r * r;
+  slope_b_ = -h * s * s * r;
+}
+
 }  // namespace manutec_r3::hybrid

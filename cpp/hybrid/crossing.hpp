@@ -36,6 +36,19 @@ class Cubic {
   double c0_, c1_, c2_, c3_;  // in s = (t - t0) / h
 };
 
+// The same polynomial at one instant t, for many functions known at a and b with their slopes.
+class CubicWeights {
+ public:
+  CubicWeights(double a, double b, double t);
+
+  double operator()(double z_a, double slope_a, double z_b, double slope_b) const {
+    return z_a_ * z_a + slope_a_ * slope_a + z_b_ * z_b + slope_b_ * slope_b;
+  }
+
+ private:
+  double z_a_, slope_a_, z_b_, slope_b_;
+};
+
 // The first instant found at which z(t) <= 0, within roundoff of t, of a function that is positive
 // at `inside` and not positive at the later `outside`. `guess` lies between them. z is evaluated
 // about four times if it is smooth and the guess is good; the bracket never fails to shrink.

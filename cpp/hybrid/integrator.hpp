@@ -34,10 +34,18 @@ class Integrator : public DenseOutput {
   // 0 if unknown.
   virtual void restart(double t, const double* x, double size) = 0;
 
+  // The step that ended where it continues, if another integrator has taken it.
+  virtual void remember(const Step&) {}
+
   // One step from where the last one ended, not beyond `stop`, which it meets exactly. Gives the
   // step and the state at its end. Throws SimulationFailure, with the solver's own message, and
   // whatever the system throws.
   virtual void advance(double stop, Step& step, double* x1) = 0;
+
+  // Instants inside the latest step, in order, at which it knows the solution for nothing: what
+  // the indicators read of it, and of its derivatives.
+  virtual int n_looks() const { return 0; }
+  virtual double look(int, double* /*x*/, double* /*derivatives*/) { return 0.0; }
 
   // The step size to try next, if nothing happens.
   virtual double next_size() const = 0;

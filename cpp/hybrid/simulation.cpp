@@ -22,9 +22,9 @@ constexpr int most_halvings = 50;
 // the tolerances allow, cubics err by less.
 constexpr double doubtful = 0.25;
 constexpr int most_searches = 10;
-// Rates of indicators come from a difference over this time [s]: much shorter than a step, and long
-// enough for ten digits of the difference to survive.
-constexpr double ahead = 1e-7;
+// Over half the distance a cubic errs by 2^4 times less, if the indicator is smooth; it is believed
+// to err by no more than four times that.
+constexpr double doubt_at_half = 4.0 / 16.0;
 
 }  // namespace
 
@@ -35,15 +35,13 @@ Simulation::Simulation(System& system, Integrator& integrator, double t, std::ve
       trajectory_(trajectory),
       routine_(routine),
       start_(t),
+      doubt_(system.n_indicators()),
+      bound_(system.n_indicators()),
       scratch_x_(system.n_states()),
       scratch_z_(system.n_indicators()),
-      dip_z_(system.n_indicators()),
-      dip_slope_(system.n_indicators()),
       scratch_derivatives_(system.n_states()) {
   now_.time = now_.step.t0 = now_.step.t1 = t;
   now_.x = std::move(x);
-  now_.z.resize(system.n_indicators());
-  now_.slope.resize(system.n_indicators());
   system_.initialise(t, now_.x.data());
   restart(0.0);
 }
@@ -110,7 +108,8 @@ Simulation::Snapshot Simulation::save() const {
 
 void Simulation::restore(const Snapshot& snapshot) {
   const Mode& mode = system_.mode();
-  if (snapshot.front.x.size() != now_.x.size() || snapshot.front.z.size() != now_.z.size() ||
+  if (snapshot.front.x.size() != now_.x.size() ||
+      snapshot.front.look.z.size() != now_.look.z.size() ||
       snapshot.mode.branches.size() != mode.branches.size() ||
       snapshot.mode.held.size() != mode.held.size()) {
     throw std::invalid_argument("snapshot: expected one of the same system");
@@ -122,6 +121,7 @@ void Simulation::restore(const Snapshot& snapshot) {
     if (now_.step.t1 > now_.step.t0) trajectory_->append(now_.step, snapshot.mode);
   }
   integrator_.restart(now_.step.t1, now_.x.data(), snapshot.next_size);
+  integrator_.remember(now_.step);
 }
 
 // --- one step -----------------------------------------------------------------------------------
@@ -129,20 +129,20 @@ void Simulation::restore(const Snapshot& snapshot) {
 void Simulation::advance_front() {
   const double stop = system_.next_time_event(now_.step.t1);
   x0_ = now_.x;
-  z0_ = now_.z;
-  slope0_ = now_.slope;
+  looks_.resize(1);
+  looks_[0] = now_.look;
   try {
     integrator_.advance(stop, now_.step, now_.x.data());
     if (!std::ranges::all_of(now_.x, [](double value) { return std::isfinite(value); })) {
       throw SimulationFailure("the state has grown beyond all bounds");
     }
-    measure(now_.step.t1, now_.x, now_.z, now_.slope);
-    locate_event(stop);
+    measure(now_.step.t1, now_.x, now_.look);
+    look_inside_step();
+    search_step(stop);
   } catch (...) {
     // Back to the beginning of the step, where all was well: the run can be continued.
     now_.x = x0_;
-    now_.z = z0_;
-    now_.slope = slope0_;
+    now_.look = looks_[0];
     now_.step.t0 = now_.step.t1 = now_.time;
     now_.event = false;
     integrator_.restart(now_.time, now_.x.data(), integrator_.next_size());
@@ -153,16 +153,15 @@ void Simulation::advance_front() {
   if (trajectory_ && now_.step.t1 > now_.step.t0) trajectory_->append(now_.step, system_.mode());
 }
 
-// Indicators and their rates along the solution.
-void Simulation::measure(double t, const std::vector<double>& x, std::vector<double>& z,
-                         std::vector<double>& slope) {
+void Simulation::measure(double t, const std::vector<double>& x, Look& look) {
+  look.t = t;
+  look.z.resize(system_.n_indicators());
+  look.slope.resize(system_.n_indicators());
   integrator_.derivatives(t, x.data(), scratch_derivatives_.data());
-  for (std::size_t s = 0; s < x.size(); ++s) scratch_x_[s] = x[s] + ahead * scratch_derivatives_[s];
-  system_.indicators(t, x.data(), z.data());
-  system_.indicators(t + ahead, scratch_x_.data(), slope.data());
-  for (std::size_t i = 0; i < z.size(); ++i) {
-    check_indicator(static_cast<int>(i), z[i]);
-    slope[i] = (slope[i] - z[i]) / ahead;
+  system_.indicators(t, x.data(), look.z.data());
+  system_.indicator_rates(t, x.data(), scratch_derivatives_.data(), look.slope.data());
+  for (std::size_t i = 0; i < look.z.size(); ++i) {
+    check_indicator(static_cast<int>(i), look.z[i]);
   }
 }
 
@@ -180,42 +179,81 @@ void Simulation::check_indicator(int indicator, double z) const {
                           " is not a finite number");
 }
 
-// An instant between a and b at which the indicator is out of its domain though the cubic begins
-// inside, if there is one: where its minimum is, better known with each evaluation.
-std::optional<Sample> Simulation::dip(int indicator, Sample a, Sample b) {
-  const double deep = -shallowest_dip * std::max(a.z, b.z);
-  for (int search = 0; search < most_searches; ++search) {
-    if (!(a.z > 0.0 && a.slope < 0.0)) return {};
-    const Cubic cubic(a, b);
-    const std::optional<double> lowest = cubic.minimum();
-    if (!lowest || cubic(*lowest) > doubtful * std::min(a.z, std::abs(b.z))) return {};
-    Sample c{*lowest, indicator_inside(indicator, *lowest), 0.0};
-    if (c.z <= deep) return c;
-    if (c.z <= 0.0) return {};
-    dip_x_ = scratch_x_;
-    measure(c.t, dip_x_, dip_z_, dip_slope_);
-    c.slope = dip_slope_[indicator];
-    (c.slope < 0.0 ? a : b) = c;
+// --- looking for events in a step
+// -----------------------------------------------------------------
+
+// Looks at all instants at which the integrator knows the solution. How well a cubic from one look
+// to the next but one meets the look between them tells how well cubics from look to look do.
+void Simulation::look_inside_step() {
+  const int inside = integrator_.n_looks();
+  looks_.resize(inside + 2);
+  for (int k = 0; k < inside; ++k) {
+    Look& look = looks_[k + 1];
+    look.z.resize(system_.n_indicators());
+    look.slope.resize(system_.n_indicators());
+    look.t = integrator_.look(k, scratch_x_.data(), scratch_derivatives_.data());
+    system_.indicators(look.t, scratch_x_.data(), look.z.data());
+    system_.indicator_rates(look.t, scratch_x_.data(), scratch_derivatives_.data(),
+                            look.slope.data());
   }
-  return {};
+  looks_.back() = now_.look;
+
+  std::ranges::fill(doubt_, 0.0);
+  for (int k = 1; k <= inside; ++k) {
+    const CubicWeights at(looks_[k - 1].t, looks_[k + 1].t, looks_[k].t);
+    const Look &a = looks_[k - 1], &b = looks_[k], &c = looks_[k + 1];
+    for (std::size_t i = 0; i < doubt_.size(); ++i) {
+      const double miss = std::abs(at(a.z[i], a.slope[i], c.z[i], c.slope[i]) - b.z[i]);
+      doubt_[i] = std::max(doubt_[i], doubt_at_half * miss);
+    }
+  }
 }
 
-// --- events -------------------------------------------------------------------------------------
-
 // Cuts the step off at the first event in it, if there is one.
-void Simulation::locate_event(double stop) {
+void Simulation::search_step(double stop) {
   const double t0 = now_.step.t0;
   const double t1 = now_.step.t1;
   double first = never;
+  std::size_t k = 0;
   now_.fired.clear();
+  while (first == never && ++k < looks_.size()) first = first_event(looks_[k - 1], looks_[k]);
 
+  // Semantics 4: what is as good as simultaneous with the step's beginning or with `stop` is so.
+  if (first - t0 <= simultaneous(t0)) first = t0;
+  now_.time_event = std::min(first, t1) >= stop - simultaneous(stop);
+  now_.event = now_.time_event || first < never;
+  if (!now_.event) return;
+  if (first < t1 && !now_.time_event) {
+    integrator_.evaluate(now_.step, first, scratch_x_.data());
+    now_.x = scratch_x_;
+    now_.step.t1 = first;
+    measure(first, now_.x, now_.look);
+  }
+  fold_in_simultaneous(looks_[std::min(k, looks_.size() - 1) - 1]);
+}
+
+// The first instant between two looks at which indicators leave their domain, which become those
+// that have fired.
+double Simulation::first_event(const Look& a, const Look& b) {
+  // A cubic is nowhere lower than its control points: most indicators need no more.
+  const double third = (b.t - a.t) / 3.0;
+  for (std::size_t i = 0; i < bound_.size(); ++i) {
+    const double z0 = a.z[i], z1 = b.z[i];
+    const double control = std::min(z0 + third * a.slope[i], z1 - third * b.slope[i]);
+    const double ends = std::min(z0, z1);
+    bound_[i] = z0 > 0.0 ? std::min(control, ends) - std::max(doubtful * ends, doubt_[i]) : z1;
+  }
+
+  double first = never;
   for (int i = 0; i < system_.n_indicators(); ++i) {
-    const double z1 = now_.z[i];
-    const Cubic cubic({t0, z0_[i], slope0_[i]}, {t1, z1, now_.slope[i]});
-    double outside = t1;
+    const double z1 = b.z[i];
+    if (bound_[i] > 0.0 && z1 > 0.0) continue;
+    const Sample at_a{a.t, a.z[i], a.slope[i]}, at_b{b.t, z1, b.slope[i]};
+    const Cubic cubic(at_a, at_b);
+    double outside = b.t;
     double z_outside = z1;
-    // Semantics 1: out of the domain and back within the step?
-    const std::optional<Sample> low = dip(i, {t0, z0_[i], slope0_[i]}, {t1, z1, now_.slope[i]});
+    // Semantics 1: out of the domain and back between the looks?
+    const std::optional<Sample> low = dip(i, at_a, at_b, doubt_[i], most_searches);
     if (low) {
       outside = low->t;
       z_outside = low->z;
@@ -229,53 +267,68 @@ void Simulation::locate_event(double stop) {
       if (z_outside > 0.0) continue;
     }
 
-    double inside = t0;
-    double z_inside = z0_[i];
+    double inside = a.t;
+    double z_inside = a.z[i];
     if (z_inside <= 0.0) {
-      // Semantics 2: it counts as inside at t0; find out where it really is.
+      // Semantics 2: it counts as inside at a; find out where it really is.
       const std::optional<double> highest = cubic.maximum();
-      inside = highest && *highest < outside ? *highest : 0.5 * (t0 + outside);
+      inside = highest && *highest < outside ? *highest : 0.5 * (a.t + outside);
       const bool enters = highest && cubic(*highest) > 0.0;
       for (int halving = 0; enters && halving < most_halvings; ++halving) {
         z_inside = indicator_inside(i, inside);
         if (z_inside > 0.0) break;
         outside = inside;
         z_outside = z_inside;
-        inside = 0.5 * (t0 + inside);
+        inside = 0.5 * (a.t + inside);
       }
-      if (z_inside <= 0.0 && z1 >= z0_[i]) continue;  // on its way in, or where it was left
+      if (z_inside <= 0.0 && z1 >= a.z[i]) continue;  // on its way in, or where it was left
     }
     const auto z = [&](double t) { return indicator_inside(i, t); };
     const double t = z_inside > 0.0 ? leave_domain(z, inside, z_inside, outside, z_outside,
                                                    cubic.root(inside, outside))
-                                    : t0;
+                                    : a.t;
     if (t < first - simultaneous(first)) now_.fired.clear();
     first = std::min(t, first);
     now_.fired.push_back(i);
   }
-
-  // Semantics 4: what is as good as simultaneous with the step's beginning or with `stop` is so.
-  if (first - t0 <= simultaneous(t0)) first = t0;
-  now_.time_event = std::min(first, t1) >= stop - simultaneous(stop);
-  now_.event = now_.time_event || first < never;
-  if (!now_.event) return;
-  if (first < t1 && !now_.time_event) {
-    integrator_.evaluate(now_.step, first, scratch_x_.data());
-    now_.x = scratch_x_;
-    now_.step.t1 = first;
-    measure(first, now_.x, now_.z, now_.slope);
-  }
-  fold_in_simultaneous();
+  return first;
 }
 
+// An instant between a and b at which the indicator is out of its domain though the cubic begins
+// inside, if there is one: where its minimum is, better known with each evaluation. `doubt` is by
+// how much the cubic may err.
+std::optional<Sample> Simulation::dip(int indicator, const Sample& a, const Sample& b, double doubt,
+                                      int searches) {
+  if (!(a.z > 0.0) || searches == 0) return {};
+  const Cubic cubic(a, b);
+  const std::optional<double> lowest = a.slope < 0.0 ? cubic.minimum() : std::nullopt;
+  const bool near = lowest && cubic(*lowest) <= doubtful * std::min(a.z, std::abs(b.z));
+  const bool unsure =
+      doubt > 0.0 && b.z > 0.0 && std::min({a.z, b.z, lowest ? cubic(*lowest) : a.z}) <= doubt;
+  if (!near && !unsure) return {};
+  const double t = lowest ? *lowest : 0.5 * (a.t + b.t);
+  Sample c{t, indicator_inside(indicator, t), 0.0};
+  if (c.z <= -shallowest_dip * std::max(a.z, b.z)) return c;
+  if (c.z <= 0.0) return {};
+  dip_x_ = scratch_x_;
+  measure(c.t, dip_x_, dip_look_);
+  c.slope = dip_look_.slope[indicator];
+  const double doubt_after = std::min(doubt, doubt_at_half * std::abs(c.z - cubic(c.t)));
+  const std::optional<Sample> before_c = dip(indicator, a, c, doubt_after, searches - 1);
+  return before_c ? before_c : dip(indicator, c, b, doubt_after, searches - 1);
+}
+
+// --- events -------------------------------------------------------------------------------------
+
 // Semantics 4: whatever else fires at the end of the step, or so soon that it is the same instant.
-void Simulation::fold_in_simultaneous() {
+void Simulation::fold_in_simultaneous(const Look& before) {
   // Half as much again: what is left out here and found in the next step shall not be within four
   // units because of roundoff.
   const double instant = 1.5 * simultaneous(now_.step.t1);
   for (int i = 0; i < system_.n_indicators(); ++i) {
-    const double z_soon = now_.z[i] + std::min(0.0, now_.slope[i] * instant);
-    if ((z0_[i] > 0.0 || now_.z[i] > 0.0) && z_soon <= 0.0 &&
+    const double z = now_.look.z[i];
+    const double z_soon = z + std::min(0.0, now_.look.slope[i] * instant);
+    if ((before.z[i] > 0.0 || z > 0.0) && z_soon <= 0.0 &&
         std::ranges::find(now_.fired, i) == now_.fired.end()) {
       now_.fired.push_back(i);
     }
@@ -326,7 +379,7 @@ void Simulation::restart(double size) {
   integrator_.restart(now_.time, now_.x.data(), size);
   now_.step.t0 = now_.step.t1 = now_.time;
   now_.event = false;
-  measure(now_.time, now_.x, now_.z, now_.slope);
+  measure(now_.time, now_.x, now_.look);
 }
 
 }  // namespace manutec_r3::hybrid

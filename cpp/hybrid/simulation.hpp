@@ -80,15 +80,21 @@ class Simulation {
   const std::vector<Event>& events() const { return events_; }
   Statistics statistics() const;
 
+  // What the indicators show at an instant, and their rates along the solution.
+  struct Look {
+    double t = 0.0;
+    std::vector<double> z, slope;
+  };
+
   // How far the integration has come; it may be ahead of the time.
   struct Front {
-    double time = 0.0;             // of the simulation
-    Step step;                     // the last step, cut off at an event
-    std::vector<double> x;         // state at its end
-    std::vector<double> z, slope;  // indicators there, and their rates along the solution
-    bool event = false;            // something happens at its end:
-    bool time_event = false;       // an announced instant,
-    std::vector<int> fired;        // indicators
+    double time = 0.0;        // of the simulation
+    Step step;                // the last step, cut off at an event
+    std::vector<double> x;    // state at its end
+    Look look;                // indicators there
+    bool event = false;       // something happens at its end:
+    bool time_event = false;  // an announced instant,
+    std::vector<int> fired;   // indicators
     ChatteringGuard guard;
   };
 
@@ -104,14 +110,16 @@ class Simulation {
 
  private:
   void advance_front();
-  void locate_event(double stop);
-  void fold_in_simultaneous();
+  void search_step(double stop);
+  void look_inside_step();
+  double first_event(const Look& a, const Look& b);
+  std::optional<Sample> dip(int indicator, const Sample& a, const Sample& b, double doubt,
+                            int searches);
+  void fold_in_simultaneous(const Look& before);
   void handle_event(bool input_changed);
   void restart(double size);
-  void measure(double t, const std::vector<double>& x, std::vector<double>& z,
-               std::vector<double>& slope);
+  void measure(double t, const std::vector<double>& x, Look& look);
   double indicator_inside(int indicator, double t);
-  std::optional<Sample> dip(int indicator, Sample a, Sample b);
   void check_indicator(int indicator, double z) const;
 
   System& system_;
@@ -122,10 +130,11 @@ class Simulation {
   Front now_;
   std::vector<Event> events_;
   std::vector<Change> changes_;
-  std::vector<double> x0_, z0_, slope0_;  // at the beginning of the step
-  std::vector<double> scratch_x_, scratch_z_;
-  std::vector<double> dip_x_, dip_z_, dip_slope_;
-  std::vector<double> scratch_derivatives_;
+  std::vector<double> x0_;     // at the beginning of the step
+  std::vector<Look> looks_;    // at the step, from its beginning to its end
+  std::vector<double> doubt_;  // about each indicator between two of them
+  std::vector<double> bound_, scratch_x_, scratch_z_, scratch_derivatives_, dip_x_;
+  Look dip_look_;
   long restarts_ = 0;
   long routine_events_ = 0;
   long routine_evaluations_ = 0;

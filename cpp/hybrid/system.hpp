@@ -13,6 +13,8 @@
 
 namespace manutec_r3::hybrid {
 
+class LinearView;
+
 inline constexpr double never = std::numeric_limits<double>::infinity();
 
 // What is frozen between events. The equations read it; only event handling changes it.
@@ -70,6 +72,10 @@ class System {
   // present branches is a positive constant.
   virtual void indicators(double t, const double* x, double* values) = 0;
 
+  // How fast they change where the state changes with the rates dx. By a difference, unless a
+  // system knows better.
+  virtual void indicator_rates(double t, const double* x, const double* dx, double* rates);
+
   // The first instant after t at which something happens that does not depend on the state.
   virtual double next_time_event(double t) const = 0;
 
@@ -91,6 +97,12 @@ class System {
   virtual Element element_of(int indicator) const = 0;
   // For messages: "friction of axis 4".
   virtual std::string describe(Element element) const = 0;
+
+  // The same equations as linear blocks and a slow remainder, if the system knows them so.
+  virtual LinearView* linear_view() { return nullptr; }
+
+ private:
+  std::vector<double> values_now_, x_soon_;
 };
 
 }  // namespace manutec_r3::hybrid

@@ -10,6 +10,7 @@
 #include "drive/modelica_axis.hpp"
 #include "robot/equations.hpp"
 #include "robot/mode.hpp"
+#include "robot/soon.hpp"
 #include "robot/zones.hpp"
 
 namespace manutec_r3::robot {
@@ -26,6 +27,9 @@ class ElectricalSwitches<N, drive::ModelicaAxes<N>> {
   void freeze() {}
   void initialise(const double*, const double*) {}
   void indicators(ElementKind, double, const double*, double*) const {}
+  bool has_axis_at_voltage_limit() const { return false; }
+  void indicator_rates(ElementKind, double, const double*, const double*, const double*,
+                       double*) const {}
   void cross(ElementKind, int, bool, double*, const double*) {}
   void after_jump(double, const double*) {}
 };
@@ -77,6 +81,35 @@ class ElectricalSwitches<N, drive::Axes<N>> {
         edges(branch, U(x)[i], U_limit_, z);
       } else {
         z[0] = branch * drive_of_voltage(t, x)[i];  // until it leads back
+      }
+    }
+  }
+
+  bool has_axis_at_voltage_limit() const {
+    for (int i = 0; i < N; ++i) {
+      if (mode_.branch(voltage_limit, i) != 0) return true;
+    }
+    return false;
+  }
+
+  // How fast they change along the derivatives dx, which lead to x_soon; that is needed only if an
+  // axis is at its limit.
+  void indicator_rates(ElementKind kind, double t, const double* x, const double* dx,
+                       const double* x_soon, double* rates) const {
+    if (!has_controller_) return;
+    PerAxis<N> drive_rate = PerAxis<N>::Zero();
+    if (kind == voltage_limit && has_axis_at_voltage_limit()) {
+      drive_rate = (drive_of_voltage(t + soon, x_soon) - drive_of_voltage(t, x)) / soon;
+    }
+    for (int i = 0; i < N; ++i, rates += 2) {
+      const int branch = mode_.branch(kind, i);
+      if (kind == dead_zone && a_[i] > 0.0) edge_rates(branch, U(dx)[i], rates);
+      if (kind == torque_limit) edge_rates(branch, m(dx)[i], rates);
+      if (kind != voltage_limit || std::isinf(U_limit_)) continue;
+      if (branch == 0) {
+        edge_rates(branch, U(dx)[i], rates);
+      } else {
+        rates[0] = branch * drive_rate[i];
       }
     }
   }

@@ -14,13 +14,11 @@
 #include "robot/equations.hpp"
 #include "robot/mode.hpp"
 #include "robot/options.hpp"
+#include "robot/soon.hpp"
 #include "robot/stiction.hpp"
 #include "robot/zones.hpp"
 
 namespace manutec_r3::robot {
-
-// Rates of torques come from a difference over this time [s].
-inline constexpr double soon = 1e-7;
 
 template <int N, class Axes>
 class FrictionDecision {
@@ -201,9 +199,9 @@ class FrictionDecision {
     equations_.springs_hold = false;
     for (int i = 0; i < N; ++i) freeze(i, true);
     const PerAxis<N> held = equations_.mechanics(t, x).torques.friction;
-    std::vector<double> later(robot_.n_states());
-    equations_.derivatives(t, x, later.data());
-    for (std::size_t s = 0; s < later.size(); ++s) later[s] = x[s] + soon * later[s];
+    std::vector<double> rates(robot_.n_states()), later(robot_.n_states());
+    equations_.derivatives(t, x, rates.data());
+    state_soon(x, rates.data(), robot_.n_states(), later.data());
     const PerAxis<N> held_later = equations_.mechanics(t + soon, later.data()).torques.friction;
     for (const int i : resting) {
       if (mode_.branch(friction, i) != 0 || !is_soft(i)) continue;

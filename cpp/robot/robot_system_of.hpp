@@ -59,6 +59,7 @@ class RobotSystemOf final : public RobotSystem {
       sampling_time_ = table_1->sampling_time;
     }
     scratch_.resize(robot_->n_states());
+    x_soon_.resize(robot_->n_states());
     freeze();
   }
 
@@ -115,6 +116,48 @@ class RobotSystemOf final : public RobotSystem {
       if (equations_.is_elastic(i) && creep_rate() > 0.0) {
         const bool armed = mode_.branch(Mode<N>::creep, i) != 0;
         slot(z, of_creep, i)[0] = armed ? speed - creep_rate() : creep_armed * creep_rate() - speed;
+      }
+    }
+  }
+
+  void indicator_rates(double t, const double* x, const double* dx, double* rates) override {
+    std::fill_n(rates, n_indicators(), 0.0);
+    const bool some_stick = some_axis_sticks();
+    if (some_stick || electrical_.has_axis_at_voltage_limit()) {
+      state_soon(x, dx, n_states(), x_soon_.data());
+    }
+    const double* x_soon = x_soon_.data();
+    electrical_.indicator_rates(dead_zone, t, x, dx, x_soon, slot(rates, of_dead_zone, 0));
+    electrical_.indicator_rates(torque_limit, t, x, dx, x_soon, slot(rates, of_torque_limit, 0));
+    electrical_.indicator_rates(voltage_limit, t, x, dx, x_soon, slot(rates, of_voltage_limit, 0));
+    if (!robot_->has_real_gears()) return;
+    const ConstView<E> delta_rate = equations_.deflection(dx);
+    for (int i = 0; i < E; ++i) {
+      if (!equations_.gear.has_backlash(i)) continue;
+      edge_rates(branch(backlash, i), delta_rate[i], slot(rates, of_backlash, i));
+    }
+    const PerAxis<N> acceleration_of_rotor = equations_.rotor_rate(dx);  // linear in x
+    PerAxis<N> held_rate = PerAxis<N>::Zero();
+    if (some_stick) {
+      held_rate = (friction_torque(t + soon, x_soon) - friction_torque(t, x)) / soon;
+    }
+    for (int i = 0; i < N; ++i) {
+      if (!friction_.has_friction(i)) continue;
+      const int direction = friction_.rotor_direction(i);
+      double* of_friction_i = slot(rates, of_friction, i);
+      if (direction == 0) {
+        if (!mode_.branch(Mode<N>::brake, i)) edge_rates(0, held_rate[i], of_friction_i);
+        continue;
+      }
+      const double acceleration = direction * acceleration_of_rotor[i];
+      of_friction_i[0] = acceleration;
+      const int piece = mode_.branch(Mode<N>::friction_piece, i);
+      double* of_piece = slot(rates, of_friction_piece, i);
+      if (std::isfinite(friction_.characteristic(i).upper_end(piece))) of_piece[0] = -acceleration;
+      if (std::isfinite(friction_.characteristic(i).lower_end(piece))) of_piece[1] = acceleration;
+      if (equations_.is_elastic(i) && creep_rate() > 0.0) {
+        const bool armed = mode_.branch(Mode<N>::creep, i) != 0;
+        slot(rates, of_creep, i)[0] = armed ? acceleration : -acceleration;
       }
     }
   }
@@ -375,6 +418,14 @@ class RobotSystemOf final : public RobotSystem {
     }
   }
 
+  bool some_axis_sticks() const {
+    if (!robot_->has_real_gears()) return false;
+    for (int i = 0; i < N; ++i) {
+      if (friction_.has_friction(i) && branch(friction, i) == 0) return true;
+    }
+    return false;
+  }
+
   // rM, with the friction that holds sticking axes.
   PerAxis<N> friction_torque(double t, const double* x) const {
     for (int i = 0; i < N; ++i) {
@@ -409,7 +460,7 @@ class RobotSystemOf final : public RobotSystem {
   FrictionDecision<N, Axes> friction_;
   double sampling_time_ = 0.0;
   std::vector<double> nominals_;
-  std::vector<double> scratch_;
+  std::vector<double> scratch_, x_soon_;
 };
 
 }  // namespace manutec_r3::robot

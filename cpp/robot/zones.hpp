@@ -18,6 +18,16 @@ inline void edges(int branch, double value, double half_width, double* z) {
   }
 }
 
+// Their rates where the value has one.
+inline void edge_rates(int branch, double rate, double* z_rate) {
+  if (branch == 0) {
+    z_rate[0] = -rate;
+    z_rate[1] = rate;
+  } else {
+    z_rate[0] = branch * rate;
+  }
+}
+
 // The branch of a value; on an edge it is where its rate leads.
 inline int zone(double value, double rate, double half_width) {
   const bool outside =
