@@ -144,6 +144,7 @@ void register_simulator(py::module_& module) {
   py::native_enum<solver::Method>(module, "Method", "enum.Enum")
       .value("erk", solver::Method::erk)
       .value("bdf", solver::Method::bdf)
+      .value("exponential", solver::Method::exponential)
       .finalize();
   module.def("default_tolerance", &solver::default_tolerance);
   py::list names;

@@ -77,6 +77,7 @@ py::tuple evaluate(std::shared_ptr<const robot::Robot> robot, const robot::Input
       if (mode != trajectory.mode[in_step[k]]) {
         mode = trajectory.mode[in_step[k]];
         system->set_mode(trajectory.modes[mode]);
+        inside->mode_changed();
       }
       inside->evaluate(now, time[k], state + k * n_states);
       system->signals(time[k], state + k * n_states, at_instant.data());

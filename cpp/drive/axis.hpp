@@ -2,6 +2,8 @@
 // controller, motor (spec 4; report Figure 3). Eight states per axis.
 #pragma once
 
+#include <array>
+
 #include "drive/motor.hpp"
 #include "drive/per_axis.hpp"
 #include "drive/position_controller.hpp"
@@ -31,6 +33,13 @@ struct Axes {
 
   explicit Axes(const Table1& table)
       : position_controller(table), tachogenerator(table), rate_controller(table), motor(table) {}
+
+  // The derivative that is not zero at zero state, by the edges of NL1; states that NL1 and NL2
+  // read; further states that drive_of_voltage() reads.
+  static constexpr int state_with_constant = pt2_torque_rate;
+  static constexpr std::array<int, 2> states_that_switch = {voltage, pt2_torque};
+  static constexpr std::array<int, 3> states_that_drive_voltage = {tachogenerator_2, filter,
+                                                                   controller};
 
   static ConstView<N> of(const double* x, ElectricalState state) {
     return ConstView<N>(x + state * N);

@@ -8,6 +8,8 @@
 //                   rF     = k i
 #pragma once
 
+#include <array>
+
 #include "drive/modelica_parameters.hpp"
 #include "drive/per_axis.hpp"
 
@@ -50,6 +52,11 @@ struct ModelicaAxes {
         k(first<N>(table.k)),
         w_by_D(first<N>(table.w) / first<N>(table.D)),
         two_D_w(2.0 * first<N>(table.D) * first<N>(table.w)) {}
+
+  // As of drive::Axes: nothing is constant; what makes the torque.
+  static constexpr int state_with_constant = -1;
+  static constexpr std::array<int, 1> states_that_switch = {modelica_current};
+  static constexpr std::array<int, 0> states_that_drive_voltage = {};
 
   static ConstView<N> of(const double* x, ModelicaState state) {
     return ConstView<N>(x + state * N);

@@ -18,6 +18,9 @@ class DenseOutput {
  public:
   virtual ~DenseOutput() = default;
 
+  // The system's mode is another than at the last evaluation, or there has been none.
+  virtual void mode_changed() {}
+
   // x (n_states) at t, t0 <= t <= t1, as accurate as at the step's end.
   virtual void evaluate(const Step& step, double t, double* x) = 0;
 };

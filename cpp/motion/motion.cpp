@@ -181,6 +181,12 @@ void acceleration_of(const PieceOfMotion& law, double t, int, std::span<double> 
   law.motion->acceleration(law.piece, t - law.begin, accelerations);
 }
 
+bool extends_beyond_end(const Polynomials&) { return true; }
+
+bool extends_beyond_end(const PieceOfFunctions&) { return false; }
+
+bool extends_beyond_end(const PieceOfMotion& law) { return law.motion->extends_beyond_knots(); }
+
 bool rests_at_zero(const Polynomials& law, int axis) {
   return std::ranges::all_of(law.coefficients[axis], [](double c) { return c == 0.0; });
 }
@@ -196,6 +202,12 @@ bool rests_at_zero(const PieceOfMotion& law, int axis) { return law.motion->rest
 Motion::Motion(std::vector<double> start, std::vector<Piece> pieces, double duration)
     : start_(std::move(start)), pieces_(std::move(pieces)), duration_(duration) {
   for (const Piece& piece : pieces_) knots_.push_back(piece.begin);
+}
+
+bool Motion::extends_beyond_knots() const {
+  return std::ranges::all_of(pieces_, [](const Piece& piece) {
+    return std::visit([](const auto& law) { return extends_beyond_end(law); }, piece.law);
+  });
 }
 
 bool Motion::rests_at_zero(int axis) const {

@@ -73,6 +73,9 @@ class Motion {
   // When the motion has come to its end, to rest for good [s].
   double duration() const { return duration_; }
 
+  // Whether its pieces are smooth beyond their ends; of functions nothing is known.
+  bool extends_beyond_knots() const;
+
   // Whether an axis is known to stay exactly at zero for ever; of functions nothing is known.
   bool rests_at_zero(int axis) const;
 

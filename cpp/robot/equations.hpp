@@ -127,6 +127,16 @@ class Equations {
   PerAxis<N> command(double t, const double* x) const {
     return follows_motion_ ? command_from_motion(t, x) : input(t);
   }
+  // The same from a reference at zero: what the rotors contribute.
+  PerAxis<N> command_from_rotors(const double* x) const {
+    const PerAxis<N> zero = PerAxis<N>::Zero();
+    if (!follows_motion_) return zero;
+    return axes.position_controller.command(zero, zero, rotor_angle(x));
+  }
+  // What comes from outside the drives: the command, or rF without a controller.
+  PerAxis<N> command_or_torque(double t, const double* x) const {
+    return controlled_ ? command(t, x) : input(t);
+  }
 
   struct Torques {
     PerAxis<N> motor;     // rF
@@ -134,9 +144,17 @@ class Equations {
     PerAxis<N> friction;  // rM; of sticking axes not known before accelerations, if coupled
   };
 
+  // rF of controlled motors; zero without a controller.
+  PerAxis<N> motor_torque_from(const double* x) const {
+    return controlled_ ? axes.motor_torque(electrical(x)) : PerAxis<N>::Zero();
+  }
+
   Torques torques(double t, const double* x) const {
+    return torques_with(controlled_ ? axes.motor_torque(electrical(x)) : input(t), x);
+  }
+  Torques torques_with(const PerAxis<N>& motor, const double* x) const {
     Torques torques;
-    torques.motor = controlled_ ? axes.motor_torque(electrical(x)) : input(t);
+    torques.motor = motor;
     torques.friction = friction(rotor_rate(x));
     if (springs_hold) torques.friction += spring_stiffness * (rotor_angle(x) - spring_rest);
     torques.gear = torques.motor - torques.friction;

@@ -19,6 +19,7 @@ class Mode {
     friction_piece = n_axis_elements,  // of the friction characteristic
     creep,                             // 1: the rotor has broken away, its creep is watched
     brake,                             // 1: the brake is on
+    inertia,                           // of the axis, nearly: see linear_drives.hpp
     n_rows
   };
   // For the whole robot:

@@ -14,6 +14,7 @@
 #include "robot/electrical_switches.hpp"
 #include "robot/equations.hpp"
 #include "robot/friction_decision.hpp"
+#include "robot/linear_drives.hpp"
 #include "robot/mode.hpp"
 #include "robot/robot_system.hpp"
 #include "robot/zones.hpp"
@@ -51,7 +52,8 @@ class RobotSystemOf final : public RobotSystem {
         inputs_(std::move(inputs)),
         equations_(*robot_, axes, inputs_),
         electrical_(*robot_, equations_, mode_),
-        friction_(*robot_, equations_, mode_) {
+        friction_(*robot_, equations_, mode_),
+        linear_drives_(*robot_, inputs_, equations_, mode_) {
     for (const StateGroup& group : robot_->states()) {
       nominals_.insert(nominals_.end(), group.nominals.begin(), group.nominals.end());
     }
@@ -213,6 +215,7 @@ class RobotSystemOf final : public RobotSystem {
       friction_.decide(t, x, occasion);
     }
     freeze();
+    linear_drives_.choose_inertias(t, x, mode_);
   }
 
   void handle_event(double t, double* x, const hybrid::Cause& cause,
@@ -231,6 +234,7 @@ class RobotSystemOf final : public RobotSystem {
       friction_.decide(t, x, occasion);
       freeze();
     }
+    linear_drives_.choose_inertias(t, x, mode_);
 
     for (int i = 0; i < N; ++i) {
       for (int kind = 0; kind < n_axis_elements; ++kind) {
@@ -239,6 +243,11 @@ class RobotSystemOf final : public RobotSystem {
         if (old_branch != new_branch) log.push_back({{i + 1, kind}, old_branch, new_branch});
       }
     }
+  }
+
+  // What springs and dampers hold shakes between axes as fast as they do: no slow remainder.
+  hybrid::LinearView* linear_view() override {
+    return robot_->options().stiction == Stiction::exact ? &linear_drives_ : nullptr;
   }
 
   const hybrid::Mode& mode() const override { return mode_.frozen(); }
@@ -458,6 +467,7 @@ class RobotSystemOf final : public RobotSystem {
   Mode<N> mode_;
   ElectricalSwitches<N, Axes> electrical_;
   FrictionDecision<N, Axes> friction_;
+  LinearDrives<N, Axes> linear_drives_;
   double sampling_time_ = 0.0;
   std::vector<double> nominals_;
   std::vector<double> scratch_, x_soon_;

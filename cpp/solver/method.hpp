@@ -9,8 +9,9 @@
 namespace manutec_r3::solver {
 
 enum class Method {
-  erk,  // explicit Runge-Kutta
-  bdf,  // backward differentiation formulas
+  erk,          // explicit Runge-Kutta
+  bdf,          // backward differentiation formulas
+  exponential,  // exponential collocation
 };
 
 // The loosest tolerance with which control error and motor torque stay within 1e-6 of their range

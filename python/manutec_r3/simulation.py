@@ -57,8 +57,9 @@ def simulate(
         Tolerance, relative to each state's nominal value as well as to its value. The default of
         each method is the loosest for which control errors and motor torques stay within 1e-6 of
         their range.
-    method : {"erk", "bdf"}, optional
-        Explicit Runge-Kutta, Verner's 7(6), or backward differentiation formulas. Default:
+    method : {"erk", "bdf", "exponential"}, optional
+        Explicit Runge-Kutta, Verner's 7(6); backward differentiation formulas; or exponential
+        collocation, which propagates drives exactly. Default:
         ``"erk"``, but ``"bdf"`` for a robot with stiff springs or dampers, which has no other.
     start : {"rotor", "arm"} or array_like (n_states,), optional
         At rest with the rotors, or with the arms, on the reference; or a state. Default: the
@@ -495,7 +496,8 @@ def _method(robot: Robot, method: Method | None) -> Method:
     if method is None:
         return "bdf" if is_stiff else "erk"
     if method not in get_args(Method):
-        raise ValueError(f"method: expected 'erk' or 'bdf', got {method!r}")
+        names = ", ".join(map(repr, get_args(Method)))
+        raise ValueError(f"method: expected one of {names}, got {method!r}")
     if is_stiff and method != "bdf":
         raise ValueError(
             f"method: expected 'bdf' for stiction={robot.stiction!r}, which is stiff, "
