@@ -245,7 +245,7 @@ double Simulation::first_event(const Look& a, const Look& b) {
   }
 
   double first = never;
-  for (int i = 0; i < system_.n_indicators(); ++i) {
+  for (int i = 0; i < static_cast<int>(bound_.size()); ++i) {
     const double z1 = b.z[i];
     if (bound_[i] > 0.0 && z1 > 0.0) continue;
     const Sample at_a{a.t, a.z[i], a.slope[i]}, at_b{b.t, z1, b.slope[i]};

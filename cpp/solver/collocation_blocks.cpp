@@ -6,47 +6,56 @@ namespace manutec_r3::solver {
 
 CollocationBlocks::CollocationBlocks(hybrid::LinearView& view)
     : view_(view), blocks_(view.n_blocks()) {
-  int n_constants = 0;
+  for (int b = 0; b < view.n_blocks(); ++b) n_forcing_ += view.block(b).n_forcing;
+  n_inputs_ = n_forcing_;
+  int n_constants = 0, n_forcing = 0;
   for (int b = 0; b < view.n_blocks(); ++b) {
     const hybrid::LinearBlock& block = view.block(b);
     blocks_[b].first_constant = n_constants;
-    blocks_[b].first_forcing = n_forcing_;
-    blocks_[b].first_remainder = n_remainder_;
+    blocks_[b].first_forcing = n_forcing;
+    blocks_[b].first_remainder = n_inputs_;
     n_constants += block.n_constants;
-    n_forcing_ += block.n_forcing;
-    n_remainder_ += block.n_remainder;
+    n_forcing += block.n_forcing;
+    n_inputs_ += block.n_remainder;
   }
   constants_.resize(n_constants);
 }
 
 void CollocationBlocks::refresh() {
+  n_rungs_ = 0;
   for (int b = 0; b < view_.n_blocks(); ++b) {
     Block& block = blocks_[b];
     const hybrid::LinearBlock& present = view_.block(b);
-    if (block.equations == &present) continue;
-    block.equations = &present;
-    auto& propagator = known_[&present];
-    if (!propagator) propagator = propagator_of(present);
-    block.propagator = propagator;
+    if (block.equations != &present) {
+      block.equations = &present;
+      auto& propagator = known_[&present];
+      if (!propagator) propagator = propagator_of(present);
+      block.propagator = propagator;
+    }
+    n_rungs_ = std::max(n_rungs_, block.propagator->n_rungs());
   }
-  n_rungs_ = 0;
-  for (const Block& block : blocks_) n_rungs_ = std::max(n_rungs_, block.propagator->n_rungs());
   view_.constants(constants_.data());
 }
 
-void CollocationBlocks::gather(const Block& block, const double* x, const double* forcing,
-                               const double* remainder, int count, double* coefficients) const {
-  const hybrid::LinearBlock& equations = *block.equations;
-  for (const int state : equations.states) *coefficients++ = x[state];
-  const double* constant = &constants_[block.first_constant];
-  coefficients = std::copy_n(constant, equations.n_constants, coefficients);
-  for (int k = 0; k < count; ++k) {
-    const double* first = forcing + k * n_forcing_ + block.first_forcing;
-    coefficients = std::copy_n(first, equations.n_forcing, coefficients);
+void CollocationBlocks::gather(const Block& block, const double* x, const double* inputs,
+                               double* coefficients) const {
+  const auto& [states, watched, L, B, n_constants, n_forcing, n_remainder] = *block.equations;
+  for (const int state : states) *coefficients++ = x[state];
+  for (int i = 0; i < n_constants; ++i) *coefficients++ = constants_[block.first_constant + i];
+  for (int k = 0; k < n_nodes; ++k) {
+    const double* forcing = inputs + k * n_inputs_ + block.first_forcing;
+    for (int i = 0; i < n_forcing; ++i) *coefficients++ = forcing[i];
   }
-  for (int k = 0; k < count; ++k) {
-    const double* first = remainder + k * n_remainder_ + block.first_remainder;
-    coefficients = std::copy_n(first, equations.n_remainder, coefficients);
+  for (int k = 0; k < n_nodes; ++k) {
+    const double* remainder = inputs + k * n_inputs_ + block.first_remainder;
+    for (int i = 0; i < n_remainder; ++i) *coefficients++ = remainder[i];
+  }
+}
+
+void CollocationBlocks::derivatives(const double* x, const double* inputs, double* dx) const {
+  for (const Block& block : blocks_) {
+    block.propagator->derivatives(x, &constants_[block.first_constant],
+                                  inputs + block.first_forcing, inputs + block.first_remainder, dx);
   }
 }
 

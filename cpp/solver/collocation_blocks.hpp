@@ -1,5 +1,6 @@
 // The blocks of a system's linear view (hybrid/linear_view.hpp) in its present mode, with their
-// propagators, and where each block's inputs are among those of all.
+// propagators, and where each block's inputs are among those of all: forcing of all blocks first,
+// then the remainders.
 #pragma once
 
 #include <map>
@@ -24,36 +25,29 @@ class CollocationBlocks {
   // Reads blocks and constants from the view: the mode may have changed.
   void refresh();
 
+  int n_forcing() const { return n_forcing_; }
+  int n_inputs() const { return n_inputs_; }
   // Where no block's ladder goes on.
   int n_rungs() const { return n_rungs_; }
-  int n_forcing() const { return n_forcing_; }
-  int n_remainder() const { return n_remainder_; }
   auto begin() const { return blocks_.begin(); }
   auto end() const { return blocks_.end(); }
   std::size_t size() const { return blocks_.size(); }
   const Block& operator[](std::size_t index) const { return blocks_[index]; }
 
-  // The coefficients of a block's matrices: its states in x, its constants, and its part of
-  // `count` vectors of forcing and of remainder.
-  void gather(const Block& block, const double* x, const double* forcing, const double* remainder,
-              int count, double* coefficients) const;
+  // The coefficients of a block's columns: its states in x, its constants, and its part of five
+  // vectors of inputs.
+  void gather(const Block& block, const double* x, const double* inputs,
+              double* coefficients) const;
+
+  // The derivatives of all states, for inputs at the same instant.
+  void derivatives(const double* x, const double* inputs, double* dx) const;
 
  private:
   hybrid::LinearView& view_;
   std::vector<Block> blocks_;
   std::map<const hybrid::LinearBlock*, std::shared_ptr<const Propagator>> known_;
   std::vector<double> constants_;
-  int n_forcing_ = 0, n_remainder_ = 0, n_rungs_ = 0;
+  int n_forcing_ = 0, n_inputs_ = 0, n_rungs_ = 0;
 };
-
-// Puts the states of a block where they belong in the state of the system.
-inline void scatter(const hybrid::LinearBlock& block, const double* of_block, double* x) {
-  for (std::size_t k = 0; k < block.states.size(); ++k) x[block.states[k]] = of_block[k];
-}
-inline void scatter_watched(const hybrid::LinearBlock& block, const double* of_block, double* x) {
-  for (std::size_t k = 0; k < block.watched.size(); ++k) {
-    x[block.states[block.watched[k]]] = of_block[k];
-  }
-}
 
 }  // namespace manutec_r3::solver

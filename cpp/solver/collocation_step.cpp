@@ -1,84 +1,93 @@
 #include "solver/collocation_step.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 
 namespace manutec_r3::solver {
-namespace {
 
-// Coefficients of powers of time in intervals, of polynomials through values at the nodes.
-void powers_of(const double* at_nodes, int n, std::vector<double>& powers) {
-  const auto& lagrange = lagrange_coefficients();
-  powers.assign(n_nodes * n, 0.0);
-  for (int l = 0; l < n_nodes; ++l) {
-    for (int q = 0; q < n_nodes; ++q) {
-      for (int i = 0; i < n; ++i) powers[q * n + i] += lagrange(l, q) * at_nodes[l * n + i];
-    }
+CollocationStep::CollocationStep(int n_states, const CollocationBlocks& blocks)
+    : blocks_(blocks),
+      record_(n_states, blocks),
+      powers_(n_nodes * blocks.n_inputs()),
+      derivatives_(powers_.size()),
+      x_(n_states),
+      terms_(Propagator::n_terms * n_states) {}
+
+void CollocationStep::evaluate(const hybrid::Step& step, double t, double* x) {
+  const double after = t - step.dense[record_.begin];
+  const bool in_series = known_ && step.dense[record_.begin] == begin_ &&
+                         step.dense[record_.interval] == interval_ && after >= base_ &&
+                         after - base_ < Propagator::length(blocks_.n_rungs() - 1);
+  if (!in_series) expand(step, after);
+
+  const int n = static_cast<int>(x_.size());
+  const double time = after - base_;
+  const double* term = &terms_[(Propagator::n_terms - 1) * n];
+  std::copy_n(term, n, x_.begin());
+  for (int i = Propagator::n_terms - 1; i > 0; --i) {
+    term -= n;
+    for (int s = 0; s < n; ++s) x_[s] = x_[s] * time + term[s];
+  }
+  const double* of_block = x_.data();
+  for (const CollocationBlocks::Block& block : blocks_) {
+    for (const int state : block.equations->states) x[state] = *of_block++;
   }
 }
 
-// Derivatives of these polynomials, order by order, after a time in intervals of this length.
-void derivatives_at(double time, double interval, const std::vector<double>& powers, int n,
-                    std::vector<double>& derivatives) {
-  derivatives = powers;
+void CollocationStep::expand(const hybrid::Step& step, double after) {
+  known_ = true;
+  begin_ = step.dense[record_.begin];
+  interval_ = step.dense[record_.interval];
+  base_ = 0.0;
+
+  // Coefficients of powers of time in intervals.
+  const auto& lagrange = lagrange_coefficients();
+  const int m = blocks_.n_inputs();
+  const double* at_nodes = &step.dense[record_.inputs];
+  std::ranges::fill(powers_, 0.0);
+  for (int q = 0; q < n_nodes; ++q) {
+    for (int l = 0; l < n_nodes; ++l) {
+      for (int i = 0; i < m; ++i) powers_[q * m + i] += lagrange(l, q) * at_nodes[l * m + i];
+    }
+  }
+
+  std::array<double, most_columns> coefficients;
+  std::vector<double> x(&step.dense[record_.x], &step.dense[record_.inputs]);
+  for (int rung = 0; rung < blocks_.n_rungs(); ++rung) {
+    for (; after - base_ >= Propagator::length(rung); base_ += Propagator::length(rung)) {
+      find_derivatives_of_inputs(base_, interval_);
+      for (const CollocationBlocks::Block& block : blocks_) {
+        blocks_.gather(block, x.data(), derivatives_.data(), coefficients.data());
+        std::array<double, most_states> advanced;
+        block.propagator->advance(rung, coefficients.data(), advanced.data());
+        const std::vector<int>& states = block.equations->states;
+        for (std::size_t s = 0; s < states.size(); ++s) x[states[s]] = advanced[s];
+      }
+    }
+  }
+  find_derivatives_of_inputs(base_, interval_);
+  double* terms = terms_.data();
+  for (const CollocationBlocks::Block& block : blocks_) {
+    blocks_.gather(block, x.data(), derivatives_.data(), coefficients.data());
+    block.propagator->expand(coefficients.data(), terms, static_cast<int>(x_.size()));
+    terms += block.propagator->n_states();
+  }
+}
+
+// Order by order, from the coefficients of their powers.
+void CollocationStep::find_derivatives_of_inputs(double after, double interval) {
+  const int m = blocks_.n_inputs();
+  const double time = after / interval;
+  derivatives_ = powers_;
   double factor = 1.0;
   for (int q = 0; q < n_nodes; ++q) {
     // Horner's rule leaves the q-th derivative by q! behind.
-    for (int m = input_degree - 1; m >= q; --m) {
-      for (int i = 0; i < n; ++i) derivatives[m * n + i] += time * derivatives[(m + 1) * n + i];
+    for (int k = input_degree - 1; k >= q; --k) {
+      double* lower = &derivatives_[k * m];
+      for (int i = 0; i < m; ++i) lower[i] += time * lower[m + i];
     }
-    for (int i = 0; i < n; ++i) derivatives[q * n + i] *= factor;
+    for (int i = 0; i < m; ++i) derivatives_[q * m + i] *= factor;
     factor *= (q + 1) / interval;
-  }
-}
-
-}  // namespace
-
-CollocationStep::CollocationStep(int n_states, const CollocationBlocks& blocks)
-    : blocks_(blocks), record_(n_states, blocks) {}
-
-void CollocationStep::evaluate(const hybrid::Step& step, double t, double* x) {
-  const double* dense = step.dense.data();
-  const double* x0 = dense + record_.x;
-  const double after = t - dense[record_.begin];
-  const double interval = dense[record_.interval];
-  powers_of(dense + record_.forcing, blocks_.n_forcing(), powers_[0]);
-  powers_of(dense + record_.remainder, blocks_.n_remainder(), powers_[1]);
-
-  std::copy_n(x0, record_.forcing - record_.x, x);
-  int rung = 0;
-  double passed = 0.0;
-  const auto inputs_now = [&] {
-    derivatives_at(passed / interval, interval, powers_[0], blocks_.n_forcing(), derivatives_[0]);
-    derivatives_at(passed / interval, interval, powers_[1], blocks_.n_remainder(), derivatives_[1]);
-  };
-  const auto for_each_block = [&](const auto& advance) {
-    inputs_now();
-    for (const CollocationBlocks::Block& block : blocks_) {
-      std::array<double, 128> coefficients;
-      std::array<double, 64> of_block{};
-      blocks_.gather(block, x, derivatives_[0].data(), derivatives_[1].data(), n_nodes,
-                     coefficients.data());
-      std::copy_n(coefficients.data(), block.equations->states.size(), of_block.data());
-      advance(*block.propagator, coefficients.data(), of_block.data());
-      scatter(*block.equations, of_block.data(), x);
-    }
-  };
-  while (rung < blocks_.n_rungs()) {
-    const double length = Propagator::length(rung);
-    if (after - passed < length) {
-      ++rung;
-      continue;
-    }
-    for_each_block([&](const Propagator& propagator, const double* coefficients, double* y) {
-      propagator.advance(rung, coefficients, y);
-    });
-    passed += length;
-  }
-  if (after > passed) {
-    for_each_block([&](const Propagator& propagator, const double* coefficients, double* y) {
-      propagator.advance_briefly(after - passed, coefficients, y);
-    });
   }
 }
 

@@ -40,21 +40,19 @@ ExponentialCollocation::ExponentialCollocation(hybrid::System& system, double re
       inside_(system.n_states(), blocks_),
       x_(system.n_states()),
       matrices_(blocks_.size()),
-      forcing_(n_nodes * blocks_.n_forcing()),
-      remainder_(n_nodes * blocks_.n_remainder()),
-      change_(blocks_.n_remainder()),
-      sensitivity_(blocks_.n_forcing() + blocks_.n_remainder()),
-      coefficients_(blocks_.size()),
-      settled_(blocks_.size()),
-      found_(blocks_.size()),
-      x_node_(n_nodes, std::vector<double>(system.n_states())) {
-  before_.remainder.resize(remainder_.size());
+      inputs_(n_nodes * blocks_.n_inputs()),
+      sensitivity_(blocks_.n_inputs()),
+      scratch_inputs_(blocks_.n_inputs()),
+      of_block_(blocks_.size()),
+      x_at_node_(n_nodes, std::vector<double>(system.n_states())) {
+  before_.inputs.resize(inputs_.size());
   kept_.x.resize(x_.size());
-  kept_.remainder.resize(blocks_.n_remainder());
+  kept_.remainder.resize(n_remainder());
 }
 
 void ExponentialCollocation::restart(double t, const double* x, double size) {
   blocks_.refresh();
+  inside_.mode_changed();
   t_ = t;
   std::copy_n(x, x_.size(), x_.begin());
   kept_.known = false;
@@ -66,9 +64,11 @@ void ExponentialCollocation::restart(double t, const double* x, double size) {
   }
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const Propagator& propagator = *blocks_[b].propagator;
-    coefficients_[b].resize(propagator.columns());
-    settled_[b].resize(input_degree * propagator.padded_watched());
-    found_[b].resize(settled_[b].size());
+    Work& work = of_block_[b];
+    work.coefficients.resize(propagator.columns());
+    work.settled.resize(input_degree * propagator.padded_watched());
+    work.watched.resize(work.settled.size());
+    work.rates.resize(work.settled.size());
   }
 }
 
@@ -81,17 +81,16 @@ void ExponentialCollocation::remember(const hybrid::Step& step) {
   if (!before_.known) return;
   before_.begin = step.dense[record_.begin];
   before_.interval = step.dense[record_.interval];
-  std::copy_n(&step.dense[record_.remainder], before_.remainder.size(), before_.remainder.begin());
+  std::copy_n(&step.dense[record_.inputs], before_.inputs.size(), before_.inputs.begin());
 }
 
 // --- a step --------------------------------------------------------------------------------------
 
 void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1) {
-  const double remaining = stop - t_;
   begin_ = t_;
-  std::copy_n(remainder_at(t_, x_.data()), blocks_.n_remainder(), remainder_.begin());
-  int rung = rung_;
-  for (;;) {
+  std::copy_n(remainder_at(t_, x_.data()), n_remainder(), remainder_at(0));
+  const double remaining = stop - t_;
+  for (int rung = rung_;; rung_ = ++rung) {
     // No longer than it takes to reach the stop.
     while (rung < Propagator::lowest_rung &&
            input_degree * Propagator::length(rung + 1) >= remaining) {
@@ -103,38 +102,38 @@ void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1
     } else {
       use_rung(rung);
     }
-    const double error = attempt(interval_);
+    const double error = attempt();
     if (error <= 1.0) {
       if (rung == rung_ && error < allows_twice_as_long) rung_ = std::max(rung_ - 1, 0);
       break;
     }
     ++work_.rejected_steps;
-    rung_ = ++rung;
-    if (rung > Propagator::lowest_rung || t_ + Propagator::length(rung) == t_) {
+    if (rung == Propagator::lowest_rung || t_ + Propagator::length(rung) == t_) {
       rung_ = first_rung;
       throw hybrid::SimulationFailure("steps have become too short to advance the time");
     }
   }
   ++work_.steps;
+  find_rates();
 
   step.dense.resize(record_.size);
   step.dense[record_.begin] = begin_;
   step.dense[record_.interval] = interval_;
   std::ranges::copy(x_, &step.dense[record_.x]);
-  std::ranges::copy(forcing_, &step.dense[record_.forcing]);
-  std::ranges::copy(remainder_, &step.dense[record_.remainder]);
-  step.t0 = begin_;
+  std::ranges::copy(inputs_, &step.dense[record_.inputs]);
   const double end = begin_ + input_degree * interval_;
   const double tiny = hybrid::simultaneous(stop);
+  step.t0 = begin_;
   step.t1 = end >= stop - tiny ? stop : end;
   remember(step);
   if (end > stop + tiny) {
     inside_.evaluate(step, stop, x1);
   } else {
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
-      std::array<double, 64> of_block{};
-      matrices_[b]->end.add_product(coefficients_[b].data(), of_block.data());
-      scatter(*blocks_[b].equations, of_block.data(), x1);
+      std::array<double, most_states> ended{};
+      matrices_[b]->end.add_product(of_block_[b].coefficients.data(), ended.data());
+      const std::vector<int>& states = blocks_[b].equations->states;
+      for (std::size_t s = 0; s < states.size(); ++s) x1[states[s]] = ended[s];
     }
   }
   system_.hold(x1);
@@ -147,17 +146,17 @@ void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1
 }
 
 // Finds the remainders at the nodes. Gives the error in units of the tolerance.
-double ExponentialCollocation::attempt(double interval) {
+double ExponentialCollocation::attempt() {
   for (int node = 0; node < n_nodes; ++node) {
-    view_.forcing(begin_ + node * interval, at_node(forcing_, node, blocks_.n_forcing()));
+    view_.forcing(begin_ + node * interval_, inputs_at(node));
   }
   set_sensitivities();
-  predict(interval);
+  predict();
   prepare_states();
   double change_before = std::numeric_limits<double>::infinity();
   for (int sweeps = 0; sweeps < most_sweeps; ++sweeps) {
     find_states();
-    const double change = sweep(interval);
+    const double change = sweep();
     if (!std::isfinite(change)) break;
     const double contraction =
         sweeps == 0 ? first_contraction : std::min(0.5, change / change_before);
@@ -191,53 +190,48 @@ void ExponentialCollocation::use_length(double interval) {
 void ExponentialCollocation::set_sensitivities() {
   const auto nominals = system_.nominals();
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const auto& [equations, propagator, first_constant, first_forcing, first_remainder] =
-        blocks_[b];
-    const Eigen::MatrixXd& gains = matrices_[b]->gains;
-    const auto largest = [&](int column) {
-      double largest = 0.0;
-      for (int k = 0; k < gains.rows(); ++k) {
-        const int state = equations->states[k];
-        largest = std::max(largest, gains(k, column) / (nominals[state] + std::abs(x_[state])));
-      }
-      return largest / tolerance_;
+    const CollocationBlocks::Block& block = blocks_[b];
+    const std::vector<int>& states = block.equations->states;
+    const int n = static_cast<int>(states.size());
+    std::array<double, most_states> per_tolerance;
+    for (int k = 0; k < n; ++k) {
+      per_tolerance[k] = 1.0 / (tolerance_ * (nominals[states[k]] + std::abs(x_[states[k]])));
+    }
+    const double* gain = matrices_[b]->gains.data();
+    const auto set = [&](double& sensitivity) {
+      sensitivity = 0.0;
+      for (int k = 0; k < n; ++k) sensitivity = std::max(sensitivity, *gain++ * per_tolerance[k]);
     };
-    const int n_f = equations->n_forcing;
-    for (int i = 0; i < n_f; ++i) sensitivity_[first_forcing + i] = largest(i);
-    for (int i = 0; i < equations->n_remainder; ++i) {
-      sensitivity_[blocks_.n_forcing() + first_remainder + i] = largest(n_f + i);
+    for (int i = 0; i < block.equations->n_forcing; ++i) {
+      set(sensitivity_[block.first_forcing + i]);
+    }
+    for (int i = 0; i < block.equations->n_remainder; ++i) {
+      set(sensitivity_[block.first_remainder + i]);
     }
   }
 }
 
 // Remainders at the nodes by the polynomials of the step before, moved to what is known at node 0.
-void ExponentialCollocation::predict(double interval) {
-  const int n = blocks_.n_remainder();
-  if (!before_.known) {
-    for (int node = 1; node < n_nodes; ++node) {
-      std::copy_n(remainder_.begin(), n, &remainder_[node * n]);
-    }
-    return;
-  }
+void ExponentialCollocation::predict() {
+  const int n = n_remainder();
   const auto& lagrange = lagrange_coefficients();
   const auto weights_at = [&](double t) {
+    std::array<double, n_nodes> weights{};
+    if (!before_.known) return weights;
     const double time = std::min((t - before_.begin) / before_.interval, furthest_prediction);
-    std::array<double, n_nodes> weights;
     for (int l = 0; l < n_nodes; ++l) {
-      weights[l] = 0.0;
       for (int q = input_degree; q >= 0; --q) weights[l] = weights[l] * time + lagrange(l, q);
     }
     return weights;
   };
   const auto now = weights_at(begin_);
   for (int node = 1; node < n_nodes; ++node) {
-    const auto then = weights_at(begin_ + node * interval);
-    double* of_node = at_node(remainder_, node, n);
-    for (int i = 0; i < n; ++i) {
-      of_node[i] = remainder_[i];
-      for (int l = 0; l < n_nodes; ++l) {
-        of_node[i] += (then[l] - now[l]) * before_.remainder[l * n + i];
-      }
+    const auto then = weights_at(begin_ + node * interval_);
+    double* of_node = remainder_at(node);
+    std::copy_n(remainder_at(0), n, of_node);
+    for (int l = 0; l < n_nodes; ++l) {
+      const double* before = &before_.inputs[l * blocks_.n_inputs() + blocks_.n_forcing()];
+      for (int i = 0; i < n; ++i) of_node[i] += (then[l] - now[l]) * before[i];
     }
   }
 }
@@ -245,16 +239,12 @@ void ExponentialCollocation::predict(double interval) {
 // What all sweeps have in common of the watched states at the nodes.
 void ExponentialCollocation::prepare_states() {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    blocks_.gather(blocks_[b], x_.data(), forcing_.data(), remainder_.data(), n_nodes,
-                   coefficients_[b].data());
+    auto& [coefficients, settled, watched, rates] = of_block_[b];
+    blocks_.gather(blocks_[b], x_.data(), inputs_.data(), coefficients.data());
     const int in_sweeps = input_degree * blocks_[b].equations->n_remainder;
     const int in_common = blocks_[b].propagator->columns() - in_sweeps;
-    const int rows = blocks_[b].propagator->padded_watched();
-    std::ranges::fill(settled_[b], 0.0);
-    for (int j = 0; j < input_degree; ++j) {
-      matrices_[b]->watched[j].add_product(0, in_common, coefficients_[b].data(),
-                                           &settled_[b][j * rows]);
-    }
+    std::ranges::fill(settled, 0.0);
+    matrices_[b]->watched.add_product(0, in_common, coefficients.data(), settled.data());
   }
 }
 
@@ -262,39 +252,40 @@ void ExponentialCollocation::prepare_states() {
 void ExponentialCollocation::find_states() {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const CollocationBlocks::Block& block = blocks_[b];
-    const int n_r = block.equations->n_remainder;
+    const auto& [states, watched_states, L, B, n_constants, n_forcing, n_r] = *block.equations;
+    auto& [coefficients, settled, watched, rates] = of_block_[b];
     const int first = block.propagator->columns() - input_degree * n_r;
-    const int rows = block.propagator->padded_watched();
-    double* coefficients = &coefficients_[b][first];
+    double* coefficient = &coefficients[first];
     for (int node = 1; node < n_nodes; ++node) {
-      for (int i = 0; i < n_r; ++i) {
-        *coefficients++ = remainder_[node * blocks_.n_remainder() + block.first_remainder + i];
-      }
+      const double* remainder = inputs_at(node) + block.first_remainder;
+      for (int i = 0; i < n_r; ++i) *coefficient++ = remainder[i];
     }
-    found_[b] = settled_[b];
-    for (int j = 0; j < input_degree; ++j) {
-      double* watched = &found_[b][j * rows];
-      matrices_[b]->watched[j].add_product(first, input_degree * n_r, &coefficients_[b][first],
-                                           watched);
-      scatter_watched(*block.equations, watched, x_node_[j + 1].data());
+    watched = settled;
+    matrices_[b]->watched.add_product(first, input_degree * n_r, &coefficients[first],
+                                      watched.data());
+    const double* value = watched.data();
+    const std::size_t padding = block.propagator->padded_watched() - watched_states.size();
+    for (int node = 1; node < n_nodes; ++node, value += padding) {
+      double* x = x_at_node_[node].data();
+      for (const int place : watched_states) x[states[place]] = *value++;
     }
   }
 }
 
 // Remainders at the nodes from the states there. Gives the largest change in units of the
 // tolerance.
-double ExponentialCollocation::sweep(double interval) {
-  const int n = blocks_.n_remainder();
+double ExponentialCollocation::sweep() {
+  const double* sensitivity = &sensitivity_[blocks_.n_forcing()];
   double largest = 0.0;
   for (int node = 1; node < n_nodes; ++node) {
-    double* of_node = at_node(remainder_, node, n);
-    view_.remainder(begin_ + node * interval, x_node_[node].data(), change_.data());
+    double* of_node = remainder_at(node);
+    const double* now = scratch_inputs_.data();
+    view_.remainder(begin_ + node * interval_, x_at_node_[node].data(), scratch_inputs_.data());
     ++work_.evaluations;
-    for (int i = 0; i < n; ++i) {
-      const double change =
-          std::abs(change_[i] - of_node[i]) * sensitivity_[blocks_.n_forcing() + i];
+    for (int i = 0; i < n_remainder(); ++i) {
+      const double change = std::abs(now[i] - of_node[i]) * sensitivity[i];
       if (!(change <= largest)) largest = change;  // also if it is not a number
-      of_node[i] = change_[i];
+      of_node[i] = now[i];
     }
   }
   return largest;
@@ -302,43 +293,41 @@ double ExponentialCollocation::sweep(double interval) {
 
 // The fourth difference of each input is about the error of a polynomial of one degree less.
 double ExponentialCollocation::interpolation_error() const {
-  constexpr std::array<double, n_nodes> weights = {1.0, -4.0, 6.0, -4.0, 1.0};
+  const int n = blocks_.n_inputs();
+  const double* u = inputs_.data();
   double error = 0.0;
-  const auto look_at = [&](const std::vector<double>& inputs, int n, const double* sensitivity) {
-    for (int i = 0; i < n; ++i) {
-      double difference = 0.0;
-      for (int l = 0; l < n_nodes; ++l) difference += weights[l] * inputs[l * n + i];
-      error = std::max(error, std::abs(difference) * sensitivity[i]);
-    }
-  };
-  look_at(forcing_, blocks_.n_forcing(), sensitivity_.data());
-  look_at(remainder_, blocks_.n_remainder(), &sensitivity_[blocks_.n_forcing()]);
+  for (int i = 0; i < n; ++i) {
+    const double difference =
+        u[i] - 4.0 * u[n + i] + 6.0 * u[2 * n + i] - 4.0 * u[3 * n + i] + u[4 * n + i];
+    error = std::max(error, std::abs(difference) * sensitivity_[i]);
+  }
   return error;
+}
+
+void ExponentialCollocation::find_rates() {
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    auto& [coefficients, settled, watched, rates] = of_block_[b];
+    std::ranges::fill(rates, 0.0);
+    matrices_[b]->rates.add_product(coefficients.data(), rates.data());
+  }
 }
 
 // --- what others ask for -------------------------------------------------------------------------
 
 double ExponentialCollocation::look(int k, double* x, double* derivatives) {
-  std::ranges::copy(x_node_[k + 1], x);
+  std::ranges::copy(x_at_node_[k + 1], x);
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    std::array<double, 64> rates{};
-    matrices_[b]->rates[k].add_product(coefficients_[b].data(), rates.data());
-    scatter_watched(*blocks_[b].equations, rates.data(), derivatives);
+    const hybrid::LinearBlock& block = *blocks_[b].equations;
+    const double* rate = &of_block_[b].rates[k * blocks_[b].propagator->padded_watched()];
+    for (const int place : block.watched) derivatives[block.states[place]] = *rate++;
   }
   return begin_ + (k + 1) * interval_;
 }
 
 void ExponentialCollocation::derivatives(double t, const double* x, double* derivatives) {
-  const double* remainder = remainder_at(t, x);
-  std::array<double, 64> forcing;
-  view_.forcing(t, forcing.data());
-  for (const CollocationBlocks::Block& block : blocks_) {
-    std::array<double, 128> coefficients;
-    std::array<double, 64> of_block{};
-    blocks_.gather(block, x, forcing.data(), remainder, 1, coefficients.data());
-    block.propagator->derivatives(coefficients.data(), of_block.data());
-    scatter(*block.equations, of_block.data(), derivatives);
-  }
+  view_.forcing(t, scratch_inputs_.data());
+  std::copy_n(remainder_at(t, x), n_remainder(), &scratch_inputs_[blocks_.n_forcing()]);
+  blocks_.derivatives(x, scratch_inputs_.data(), derivatives);
 }
 
 // Kept, because the next step begins with it.

@@ -43,20 +43,24 @@ class ExponentialCollocation final : public hybrid::Integrator {
   hybrid::Work work() const override { return work_; }
 
  private:
-  // The matrices of every block for one interval.
+  // Of one interval, of every block.
   using Matrices = std::vector<const StepMatrices*>;
 
-  double attempt(double interval);
+  double attempt();
   void use_rung(int rung);
   void use_length(double interval);
-  void predict(double interval);
   void set_sensitivities();
+  void predict();
   void prepare_states();
   void find_states();
-  double sweep(double interval);
+  double sweep();
   double interpolation_error() const;
+  void find_rates();
   const double* remainder_at(double t, const double* x);
-  double* at_node(std::vector<double>& inputs, int node, int n) { return &inputs[node * n]; }
+
+  double* inputs_at(int node) { return &inputs_[node * blocks_.n_inputs()]; }
+  double* remainder_at(int node) { return inputs_at(node) + blocks_.n_forcing(); }
+  int n_remainder() const { return blocks_.n_inputs() - blocks_.n_forcing(); }
 
   hybrid::System& system_;
   hybrid::LinearView& view_;
@@ -75,18 +79,23 @@ class ExponentialCollocation final : public hybrid::Integrator {
   double interval_ = 0.0;
   Matrices matrices_;
   std::vector<StepMatrices> made_to_measure_;
-  std::vector<double> forcing_, remainder_;           // node by node
-  std::vector<double> change_, sensitivity_;          // of the remainder; first of the forcing
-  std::vector<std::vector<double>> coefficients_;     // block by block
-  std::vector<std::vector<double>> settled_, found_;  // watched states, block by block and node
-  std::vector<std::vector<double>> x_node_;           // whole states, of which the watched are set
+  std::vector<double> inputs_;       // node by node
+  std::vector<double> sensitivity_;  // of each input
+  std::vector<double> scratch_inputs_;
+  // Block by block: coefficients; watched states at nodes 1 to 4 without and with the remainders
+  // there; their rates.
+  struct Work {
+    std::vector<double> coefficients, settled, watched, rates;
+  };
+  std::vector<Work> of_block_;
+  std::vector<std::vector<double>> x_at_node_;  // whole states, of which the watched are set
   int n_looks_ = 0;
 
   // The latest step, from which the next begins its search.
   struct {
     bool known = false;
     double begin, interval;
-    std::vector<double> remainder;
+    std::vector<double> inputs;
   } before_;
 
   // What the remainder was when somebody has asked for derivatives.

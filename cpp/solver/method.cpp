@@ -26,7 +26,10 @@ class CollocationOutput final : public hybrid::DenseOutput {
  public:
   explicit CollocationOutput(hybrid::System& system)
       : blocks_(*system.linear_view()), inside_(system.n_states(), blocks_) {}
-  void mode_changed() override { blocks_.refresh(); }
+  void mode_changed() override {
+    blocks_.refresh();
+    inside_.mode_changed();
+  }
   void evaluate(const hybrid::Step& step, double t, double* x) override {
     inside_.evaluate(step, t, x);
   }

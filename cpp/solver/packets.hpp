@@ -9,7 +9,7 @@ namespace manutec_r3::solver {
 
 inline constexpr int packet_size = 4;
 
-inline constexpr int padded_rows(int rows) {
+inline constexpr int padded(int rows) {
   return (rows + packet_size - 1) / packet_size * packet_size;
 }
 
@@ -18,31 +18,36 @@ class PacketMatrix {
  public:
   PacketMatrix() = default;
   explicit PacketMatrix(const Eigen::MatrixXd& matrix)
-      : packets_(solver::padded_rows(static_cast<int>(matrix.rows())) / packet_size),
+      : rows_(padded(static_cast<int>(matrix.rows()))),
         columns_(static_cast<int>(matrix.cols())),
-        entries_(packets_ * packet_size * columns_, 0.0) {
+        entries_(rows_ * columns_, 0.0) {
     for (int c = 0; c < columns_; ++c) {
-      for (int r = 0; r < matrix.rows(); ++r) entries_[c * padded_rows() + r] = matrix(r, c);
+      for (int r = 0; r < matrix.rows(); ++r) entries_[c * rows_ + r] = matrix(r, c);
     }
   }
 
-  int padded_rows() const { return packets_ * packet_size; }
+  int padded_rows() const { return rows_; }
   int columns() const { return columns_; }
 
-  // y (padded_rows) += columns first, first + 1, ... times the `count` coefficients.
+  // y (padded_rows) += columns first, first + 1, ... times `count` coefficients.
   void add_product(int first, int count, const double* coefficients, double* y) const {
-    const double* A = entries_.data() + first * padded_rows();
-    switch (packets_) {
+    const double* A = entries_.data() + first * rows_;
+    int row = 0;
+    for (; row + 8 * packet_size <= rows_; row += 8 * packet_size) {
+      add_rows<8>(A + row, count, coefficients, y + row);
+    }
+    switch ((rows_ - row) / packet_size) {
       case 1:
-        return add_product<1>(A, count, coefficients, y);
+        return add_rows<1>(A + row, count, coefficients, y + row);
       case 2:
-        return add_product<2>(A, count, coefficients, y);
+        return add_rows<2>(A + row, count, coefficients, y + row);
       case 3:
-        return add_product<3>(A, count, coefficients, y);
+        return add_rows<3>(A + row, count, coefficients, y + row);
+      case 4:
+        return add_rows<4>(A + row, count, coefficients, y + row);
       default:
-        for (int p = 0; p < packets_; ++p) {
-          add_product<1>(A + p * packet_size, count, coefficients, y + p * packet_size,
-                         padded_rows());
+        for (; row < rows_; row += packet_size) {
+          add_rows<1>(A + row, count, coefficients, y + row);
         }
     }
   }
@@ -51,13 +56,13 @@ class PacketMatrix {
   }
 
  private:
+  // So many packets stay in registers meanwhile.
   template <int packets>
-  static void add_product(const double* A, int count, const double* coefficients, double* y,
-                          int stride = packets * packet_size) {
+  void add_rows(const double* A, int count, const double* coefficients, double* y) const {
     using Packet = Eigen::Array<double, packet_size, 1>;
     std::array<Packet, packets> sum;
     for (int p = 0; p < packets; ++p) sum[p] = Packet::Map(y + p * packet_size);
-    for (int c = 0; c < count; ++c, A += stride) {
+    for (int c = 0; c < count; ++c, A += rows_) {
       for (int p = 0; p < packets; ++p) {
         sum[p] += Packet::Map(A + p * packet_size) * coefficients[c];
       }
@@ -65,7 +70,7 @@ class PacketMatrix {
     for (int p = 0; p < packets; ++p) Packet::Map(y + p * packet_size) = sum[p];
   }
 
-  int packets_ = 0;
+  int rows_ = 0;
   int columns_ = 0;
   std::vector<double> entries_;
 };

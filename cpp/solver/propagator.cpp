@@ -6,6 +6,7 @@
 #include <functional>
 #include <list>
 #include <span>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 
@@ -14,38 +15,45 @@ namespace {
 
 using Eigen::MatrixXd;
 
-// Taylor's series of exp(z) to z^11 has all digits for |z| up to this.
-constexpr double brief_enough = 0.15;
-constexpr int taylor_terms = 11;
+// Taylor's series of exp(z) to z^19 has all digits for |z| up to this.
+constexpr double brief_enough = 1.0;
 
-// The eigenvalue of |L| that is largest: a bound for those of L, in whatever units the states are.
+// i!
+double factorial(int i) {
+  static const auto factorials = [] {
+    std::array<double, Propagator::n_terms + n_nodes + 1> values;
+    values[0] = 1.0;
+    for (std::size_t k = 1; k < values.size(); ++k) values[k] = values[k - 1] * k;
+    return values;
+  }();
+  return factorials[i];
+}
+
+// The largest eigenvalue of |L|: a bound for those of L, in whatever units the states are.
 double largest_eigenvalue(const MatrixXd& absolute) {
-  // Squaring the matrix six times makes 64 steps of the power method, more than enough for a bound.
+  // Six squarings make 64 steps of the power method, more than enough for a bound.
   MatrixXd power = absolute;
   double logarithm = 0.0;
-  for (int squaring = 0; squaring < 6; ++squaring) {
+  for (int squaring = 0; squaring <= 6; ++squaring) {
     const double scale = power.maxCoeff();
     if (scale == 0.0) return 0.0;
     power /= scale;
     logarithm += std::ldexp(std::log(scale), -squaring);
-    power = MatrixXd(power * power);
+    power = power.lazyProduct(power).eval();
   }
-  const double rest = power.maxCoeff();
-  return rest > 0.0 ? std::exp(logarithm + std::ldexp(std::log(rest), -6)) : 0.0;
+  return std::exp(logarithm);
 }
 
-double factorial(int n) { return std::tgamma(n + 1.0); }
-
-MatrixXd rows_of(const MatrixXd& matrix, const std::vector<int>& rows) {
-  MatrixXd part(rows.size(), matrix.cols());
-  for (std::size_t r = 0; r < rows.size(); ++r) part.row(r) = matrix.row(rows[r]);
-  return part;
-}
-
-MatrixXd side_by_side(const MatrixXd& a, const MatrixXd& b) {
-  MatrixXd both(a.rows(), a.cols() + b.cols());
-  both << a, b;
-  return both;
+MatrixXd product(const MatrixXd& a, const MatrixXd& b) {
+  const PacketMatrix packed(a);
+  MatrixXd result = MatrixXd::Zero(a.rows(), b.cols());
+  std::array<double, most_states> column;
+  for (int c = 0; c < b.cols(); ++c) {
+    column.fill(0.0);
+    packed.add_product(&b(0, c), column.data());
+    std::copy_n(column.data(), a.rows(), &result(0, c));
+  }
+  return result;
 }
 
 }  // namespace
@@ -61,43 +69,34 @@ const Eigen::Matrix<double, n_nodes, n_nodes>& lagrange_coefficients() {
   return coefficients;
 }
 
-struct Propagator::Exact {
-  MatrixXd E;
-  std::array<MatrixXd, n_nodes> V;
-};
-
 Propagator::Propagator(hybrid::LinearBlock block) : block_(std::move(block)) {
-  const int n = static_cast<int>(block_.states.size());
+  const int n = n_states();
   columns_ = n + block_.n_constants + n_nodes * (block_.n_forcing + block_.n_remainder);
+  if (n > most_states || columns_ > most_columns) {
+    throw std::invalid_argument("linear block: expected at most " + std::to_string(most_states) +
+                                " states, got " + std::to_string(n));
+  }
+  const auto entries_of = [](const MatrixXd& matrix) {
+    std::vector<Entry> entries;
+    for (int c = 0; c < matrix.cols(); ++c) {
+      for (int r = 0; r < matrix.rows(); ++r) {
+        if (matrix(r, c) != 0.0) entries.push_back({r, c, matrix(r, c)});
+      }
+    }
+    return entries;
+  };
+  entries_of_L_ = entries_of(block_.L);
+  entries_of_B_ = entries_of(block_.B);
   fastest_ = largest_eigenvalue(block_.L.cwiseAbs());
-  equations_ = PacketMatrix(side_by_side(block_.L, block_.B));
 
   int rungs = 1;
   while (fastest_ * length(rungs - 1) > brief_enough && rungs < lowest_rung) ++rungs;
   exact_.resize(rungs);
   exact_.back() = brief(length(rungs - 1));
-  for (int k = rungs - 2; k >= 0; --k) exact_[k] = doubled(exact_[k + 1], length(k + 1));
-
-  // Constants, then forcing and remainder order by order.
-  const int first_forcing = block_.n_constants;
-  const int first_remainder = first_forcing + block_.n_forcing;
-  for (const Exact& exact : exact_) {
-    MatrixXd columns(n, columns_);
-    columns.leftCols(n) = exact.E;
-    columns.middleCols(n, first_forcing) = exact.V[0].leftCols(first_forcing);
-    int forcing = n + first_forcing, remainder = forcing + n_nodes * block_.n_forcing;
-    for (int q = 0; q < n_nodes; ++q) {
-      columns.middleCols(forcing, block_.n_forcing) =
-          exact.V[q].middleCols(first_forcing, block_.n_forcing);
-      columns.middleCols(remainder, block_.n_remainder) =
-          exact.V[q].middleCols(first_remainder, block_.n_remainder);
-      forcing += block_.n_forcing;
-      remainder += block_.n_remainder;
-    }
-    // `advance` adds to what is there.
-    columns.leftCols(n).diagonal().array() -= 1.0;
-    ladder_.emplace_back(columns);
+  for (int k = rungs - 2; k >= 0; --k) {
+    exact_[k] = sum_of(exact_[k + 1], length(k + 1), exact_[k + 1]);
   }
+  for (const Exact& exact : exact_) ladder_.emplace_back(in_columns(exact));
 }
 
 Propagator::~Propagator() {
@@ -108,64 +107,139 @@ double Propagator::length(int rung) { return std::ldexp(longest, -rung); }
 
 // --- E and V -------------------------------------------------------------------------------------
 
-Propagator::Exact Propagator::brief(double length) const {
-  // E = sum_i L^i d^i/i!,  V_q = sum_i L^i B d^(i+q+1)/(i+q+1)!
-  const int n = static_cast<int>(block_.L.rows());
-  Exact exact{.E = MatrixXd::Identity(n, n), .V = {}};
-  MatrixXd of_L = MatrixXd::Identity(n, n);  // (L d)^i/i!
-  MatrixXd of_B = block_.B * length;         // (L d)^i B d
-  for (auto& V : exact.V) V.setZero(n, block_.B.cols());
-  for (int i = 0; i < taylor_terms; ++i) {
-    for (int q = 0; q < n_nodes; ++q) {
-      exact.V[q] += of_B * (std::pow(length, q) / factorial(i + q + 1));
+// E = sum_i L^i d^i/i!,  V_q = sum_i L^i B d^(i+q+1)/(i+q+1)!
+Propagator::Exact Propagator::brief(double d) const {
+  const int n = n_states(), m = n_inputs();
+  Exact exact = Exact::Zero(n, n + n_nodes * m);
+  MatrixXd term(n, n + m);  // (L d)^i, (L d)^i B d
+  term << MatrixXd::Identity(n, n), block_.B * d;
+  for (int i = 0; i < n_terms; ++i) {
+    exact.leftCols(n) += term.leftCols(n) / factorial(i);
+    double power = 1.0;  // d^q
+    for (int q = 0; q < n_nodes; ++q, power *= d) {
+      exact.middleCols(n + q * m, m) += term.rightCols(m) * (power / factorial(i + q + 1));
     }
-    of_B = block_.L * of_B * length;
-    of_L = block_.L * of_L * (length / (i + 1));
-    exact.E += of_L;
+    MatrixXd next = MatrixXd::Zero(n, n + m);
+    for (const auto& [row, column, value] : entries_of_L_) {
+      next.row(row) += (value * d) * term.row(column);
+    }
+    term = next;
   }
   return exact;
 }
 
-Propagator::Exact Propagator::doubled(const Exact& half, double d) const {
-  // V_q(2 d) = E V_q + sum_{i <= q} V_i d^(q-i)/(q-i)!, for tau^q = (d + (tau - d))^q.
-  Exact whole{.E = half.E * half.E, .V = {}};
+// One length after another, the first as long as given: because of tau = d + (tau - d),
+//   E = E_2 E_1,  V_q = E_2 V_1q + sum_{i <= q} V_2i d^(q-i)/(q-i)!
+Propagator::Exact Propagator::sum_of(const Exact& first, double d, const Exact& second) const {
+  const int n = n_states(), m = n_inputs();
+  Exact both = product(second.leftCols(n), first);
   for (int q = 0; q < n_nodes; ++q) {
-    whole.V[q] = half.E * half.V[q];
-    for (int i = 0; i <= q; ++i) {
-      whole.V[q] += half.V[i] * (std::pow(d, q - i) / factorial(q - i));
+    double power = 1.0;
+    for (int i = q; i >= 0; --i, power *= d) {
+      both.middleCols(n + q * m, m) += second.middleCols(n + i * m, m) * (power / factorial(q - i));
     }
   }
-  return whole;
+  return both;
 }
 
 Propagator::Exact Propagator::exact(double length) const {
   int doublings = 0;
   while (fastest_ * std::ldexp(length, -doublings) > brief_enough) ++doublings;
   Exact exact = brief(std::ldexp(length, -doublings));
-  for (; doublings > 0; --doublings) exact = doubled(exact, std::ldexp(length, -doublings));
+  for (; doublings > 0; --doublings) {
+    exact = sum_of(exact, std::ldexp(length, -doublings), exact);
+  }
   return exact;
 }
 
-void Propagator::advance_briefly(double length, const double* coefficients, double* x) const {
-  const int n = static_cast<int>(block_.states.size());
+// From derivatives of inputs, input by input as everywhere: constants, forcing, remainder.
+MatrixXd Propagator::in_columns(const Exact& exact) const {
+  const int n = n_states(), m = n_inputs();
   const int n_c = block_.n_constants, n_f = block_.n_forcing, n_r = block_.n_remainder;
-  const double* forcing = coefficients + n + n_c;
-  const double* remainder = forcing + n_nodes * n_f;
-  // x^(i+1) = L x^(i) + B u^(i)
-  std::array<double, 64> term, next;
-  std::copy_n(coefficients, n, term.begin());
-  double weight = 1.0;
-  for (int i = 0; i < taylor_terms; ++i) {
-    next.fill(0.0);
-    equations_.add_product(0, n, term.data(), next.data());
-    if (i == 0) equations_.add_product(n, n_c, coefficients + n, next.data());
-    if (i < n_nodes) {
-      equations_.add_product(n + n_c, n_f, forcing + i * n_f, next.data());
-      equations_.add_product(n + n_c + n_f, n_r, remainder + i * n_r, next.data());
+  MatrixXd columns(n, columns_);
+  columns.leftCols(n + n_c) = exact.leftCols(n + n_c);
+  for (int q = 0; q < n_nodes; ++q) {
+    const auto V = exact.middleCols(n + q * m, m);
+    columns.middleCols(n + n_c + q * n_f, n_f) = V.middleCols(n_c, n_f);
+    columns.middleCols(n + n_c + n_nodes * n_f + q * n_r, n_r) = V.rightCols(n_r);
+  }
+  return columns;
+}
+
+// The same for polynomials through the nodes, whose q-th derivatives at the beginning are
+// q!/d^q sum_l c_lq u_l.
+MatrixXd Propagator::in_columns_of_nodes(const Exact& exact, double d) const {
+  const auto& lagrange = lagrange_coefficients();
+  const int n = n_states(), m = n_inputs();
+  Exact of_nodes = Exact::Zero(n, exact.cols());
+  of_nodes.leftCols(n) = exact.leftCols(n);
+  double power = 1.0;
+  for (int q = 0; q < n_nodes; ++q, power *= d) {
+    for (int l = 0; l < n_nodes; ++l) {
+      of_nodes.middleCols(n + l * m, m) +=
+          exact.middleCols(n + q * m, m) * (lagrange(l, q) * factorial(q) / power);
     }
-    weight *= length / (i + 1);
-    for (int s = 0; s < n; ++s) x[s] += weight * next[s];
-    std::swap(term, next);
+  }
+  MatrixXd columns = in_columns(of_nodes);
+  // Constants are what they are, not values at node 0.
+  columns.middleCols(n, block_.n_constants) = exact.middleCols(n, block_.n_constants);
+  return columns;
+}
+
+void Propagator::derivatives(const double* x, const double* constants, const double* forcing,
+                             const double* remainder, double* dx) const {
+  const std::vector<int>& states = block_.states;
+  const int n_c = block_.n_constants, n_f = block_.n_forcing;
+  for (const int state : states) dx[state] = 0.0;
+  for (const auto& [row, column, value] : entries_of_L_)
+    dx[states[row]] += value * x[states[column]];
+  for (const auto& [row, column, value] : entries_of_B_) {
+    const double input = column < n_c         ? constants[column]
+                         : column < n_c + n_f ? forcing[column - n_c]
+                                              : remainder[column - n_c - n_f];
+    dx[states[row]] += value * input;
+  }
+}
+
+void Propagator::advance(int rung, const double* coefficients, double* x) const {
+  if (rung < n_rungs()) {
+    std::array<double, most_states> after{};
+    ladder_[rung].add_product(coefficients, after.data());
+    std::copy_n(after.data(), n_states(), x);
+    return;
+  }
+  std::array<double, n_terms * most_states> terms;
+  expand(coefficients, terms.data(), most_states);
+  for (int s = 0; s < n_states(); ++s) {
+    double sum = 0.0;
+    for (int i = n_terms - 1; i >= 0; --i) sum = sum * length(rung) + terms[i * most_states + s];
+    x[s] = sum;
+  }
+}
+
+void Propagator::expand(const double* coefficients, double* terms, int stride) const {
+  const int n = n_states();
+  const int n_c = block_.n_constants, n_f = block_.n_forcing, n_r = block_.n_remainder;
+  const double* constants = coefficients + n;
+  const double* forcing = constants + n_c;
+  const double* remainder = forcing + n_nodes * n_f;
+  for (int s = 0; s < n; ++s) terms[s] = coefficients[s];
+  double one_by_factorial = 1.0;  // of the order of the term
+  for (int i = 0; i + 1 < n_terms; ++i, terms += stride) {
+    // x^(i+1)/(i+1)! from x^(i)/i! and u^(i)/i!
+    double* next = terms + stride;
+    for (int s = 0; s < n; ++s) next[s] = 0.0;
+    for (const auto& [row, column, value] : entries_of_L_) next[row] += value * terms[column];
+    if (i < n_nodes) {
+      for (const auto& [row, column, value] : entries_of_B_) {
+        const double input = column < n_c         ? (i == 0 ? constants[column] : 0.0)
+                             : column < n_c + n_f ? forcing[i * n_f + column - n_c]
+                                                  : remainder[i * n_r + column - n_c - n_f];
+        next[row] += value * input * one_by_factorial;
+      }
+    }
+    for (int s = 0; s < n; ++s) next[s] /= i + 1;
+    one_by_factorial /= i + 1;
   }
 }
 
@@ -177,9 +251,8 @@ const StepMatrices& Propagator::step(int rung) const {
   const std::lock_guard lock(making_);
   step = steps_[rung].load(std::memory_order_relaxed);
   if (step == nullptr) {
-    const bool on_ladder = rung < n_rungs();
-    step = new StepMatrices(on_ladder ? step_from(exact_[rung], length(rung))
-                                      : step_from(brief(length(rung)), length(rung)));
+    const Exact interval = rung < n_rungs() ? exact_[rung] : brief(length(rung));
+    step = new StepMatrices(step_from(interval, length(rung)));
     steps_[rung].store(step, std::memory_order_release);
   }
   return *step;
@@ -190,51 +263,32 @@ StepMatrices Propagator::step_of(double interval) const {
 }
 
 StepMatrices Propagator::step_from(const Exact& interval, double d) const {
-  const auto& lagrange = lagrange_coefficients();
-  const int n = static_cast<int>(block_.states.size());
+  const int n = n_states(), n_watched = static_cast<int>(block_.watched.size());
   const int n_c = block_.n_constants, n_f = block_.n_forcing, n_r = block_.n_remainder;
+  MatrixXd watched = MatrixXd::Zero(input_degree * padded_watched(), columns_);
+  MatrixXd rates = watched;
   StepMatrices step;
   Exact to_node = interval;
   for (int node = 1; node < n_nodes; ++node) {
-    if (node > 1) {
-      Exact further{.E = interval.E * to_node.E, .V = {}};
-      const double before = (node - 1) * d;
-      for (int q = 0; q < n_nodes; ++q) {
-        further.V[q] = interval.E * to_node.V[q];
-        for (int i = 0; i <= q; ++i) {
-          further.V[q] += interval.V[i] * (std::pow(before, q - i) / factorial(q - i));
-        }
-      }
-      to_node = std::move(further);
+    if (node > 1) to_node = sum_of(to_node, (node - 1) * d, interval);
+    const MatrixXd columns = in_columns_of_nodes(to_node, d);
+    MatrixXd derivatives = MatrixXd::Zero(n, columns_);
+    for (const auto& [row, column, value] : entries_of_L_) {
+      derivatives.row(row) += value * columns.row(column);
     }
-
-    // The q-th derivative at the beginning of a polynomial through the nodes.
-    MatrixXd columns(n, columns_);
-    columns.leftCols(n) = to_node.E;
-    columns.middleCols(n, n_c) = to_node.V[0].leftCols(n_c);
-    const auto at_nodes = [&](int first_column, int first_input, int inputs) {
-      for (int l = 0; l < n_nodes; ++l) {
-        MatrixXd of_node = MatrixXd::Zero(n, inputs);
-        for (int q = 0; q < n_nodes; ++q) {
-          of_node += to_node.V[q].middleCols(first_input, inputs) *
-                     (lagrange(l, q) * factorial(q) / std::pow(d, q));
-        }
-        columns.middleCols(first_column + l * inputs, inputs) = of_node;
-      }
-    };
-    const int forcing = n + n_c, remainder = forcing + n_nodes * n_f;
-    at_nodes(forcing, n_c, n_f);
-    at_nodes(remainder, n_c + n_f, n_r);
-
-    MatrixXd rates = block_.L * columns;
-    rates.middleCols(n, n_c) += block_.B.leftCols(n_c);
-    rates.middleCols(forcing + node * n_f, n_f) += block_.B.middleCols(n_c, n_f);
-    rates.middleCols(remainder + node * n_r, n_r) += block_.B.rightCols(n_r);
-    step.watched[node - 1] = PacketMatrix(rows_of(columns, block_.watched));
-    step.rates[node - 1] = PacketMatrix(rows_of(rates, block_.watched));
+    derivatives.middleCols(n, n_c) += block_.B.leftCols(n_c);
+    derivatives.middleCols(n + n_c + node * n_f, n_f) += block_.B.middleCols(n_c, n_f);
+    derivatives.middleCols(n + n_c + n_nodes * n_f + node * n_r, n_r) += block_.B.rightCols(n_r);
+    for (int w = 0; w < n_watched; ++w) {
+      const int row = (node - 1) * padded_watched() + w;
+      watched.row(row) = columns.row(block_.watched[w]);
+      rates.row(row) = derivatives.row(block_.watched[w]);
+    }
     if (node == input_degree) step.end = PacketMatrix(columns);
   }
-  step.gains = to_node.V[0].rightCols(n_f + n_r).cwiseAbs();
+  step.watched = PacketMatrix(watched);
+  step.rates = PacketMatrix(rates);
+  step.gains = to_node.middleCols(n + n_c, n_f + n_r).cwiseAbs();
   return step;
 }
 

@@ -1,11 +1,15 @@
-// The exact solution of a linear block whose inputs are polynomials in time:
+// The exact solution of a linear block (hybrid/linear_view.hpp) whose inputs are polynomials in
+// time:
 //
 //   x' = L x + B u,    x(d) = E x(0) + sum_q V_q u^(q)(0)
 //
 //   E = exp(L d),      V_q = int_0^d exp(L (d - tau)) B tau^q/q! dtau
 //
-// for the lengths d of a ladder, each half of the one above, and in steps of four such lengths with
+// for lengths d of a ladder, each half of the one above, and for steps of four such intervals with
 // inputs that are known at their five ends, the nodes.
+//
+// The columns of all matrices are for: states at the beginning; constants; forcing; remainder. Of
+// forcing and remainder there are as many columns as nodes, or orders of derivatives.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,15 +28,18 @@ namespace manutec_r3::solver {
 inline constexpr int input_degree = 4;
 inline constexpr int n_nodes = input_degree + 1;
 
+// States, and columns, that a block may have.
+inline constexpr int most_states = 16;
+inline constexpr int most_columns = 48;
+
 // Coefficients of Lagrange's polynomials for the nodes 0, 1, .., 4: row l, power q.
 const Eigen::Matrix<double, n_nodes, n_nodes>& lagrange_coefficients();
 
-// The matrices of a step, whose columns are for: states at its beginning, constants, forcing at the
-// nodes, remainder at the nodes.
+// The matrices of a step, for inputs at the nodes.
 struct StepMatrices {
-  std::array<PacketMatrix, input_degree> watched;  // states at nodes 1 to 4
-  std::array<PacketMatrix, input_degree> rates;    // their derivatives
-  PacketMatrix end;                                // all states at node 4
+  PacketMatrix watched;   // watched states at nodes 1 to 4, each node's padded to packets
+  PacketMatrix rates;     // their derivatives
+  PacketMatrix end;       // all states at node 4
   Eigen::MatrixXd gains;  // by how much constant forcing and remainder change states over the step
 };
 
@@ -49,44 +56,51 @@ class Propagator {
   static double length(int rung);
 
   const hybrid::LinearBlock& block() const { return block_; }
+  int n_states() const { return static_cast<int>(block_.states.size()); }
   int columns() const { return columns_; }
-  // Of the vectors that a step's watched states come in.
-  int padded_watched() const { return padded_rows(static_cast<int>(block_.watched.size())); }
+  int padded_watched() const { return padded(static_cast<int>(block_.watched.size())); }
+
+  // The derivatives dx of the block's states among those of the system.
+  void derivatives(const double* x, const double* constants, const double* forcing,
+                   const double* remainder, double* dx) const;
 
   // Of steps with intervals on this rung; made when first asked for, by any thread.
   const StepMatrices& step(int rung) const;
   // Of steps with intervals of any length [s].
   StepMatrices step_of(double interval) const;
 
-  // The derivatives at an instant: coefficients are states, constants, forcing, remainder there.
-  void derivatives(const double* coefficients, double* dx) const {
-    equations_.add_product(coefficients, dx);
-  }
-
-  // Where Taylor's series takes over: below the last rung.
+  // Below the last rung Taylor's series takes over.
   int n_rungs() const { return static_cast<int>(ladder_.size()); }
-  // Advances x by a length of the ladder. `coefficients` are the states, constants, derivatives of
-  // forcing and of remainder from order 0 to 4, at the beginning.
-  void advance(int rung, const double* coefficients, double* x) const {
-    if (rung >= n_rungs()) return advance_briefly(length(rung), coefficients, x);
-    ladder_[rung].add_product(coefficients, x);
-  }
-  // The same for any length that is shorter than the last rung's.
-  void advance_briefly(double length, const double* coefficients, double* x) const;
+  // The states after a length of the ladder, for derivatives of inputs at the beginning.
+  void advance(int rung, const double* coefficients, double* x) const;
+
+  // Taylor's series: n_terms terms x^(i)/i!, one every `stride` numbers, the states first. It has
+  // all digits for times shorter than the last rung.
+  static constexpr int n_terms = 20;
+  void expand(const double* coefficients, double* terms, int stride) const;
 
  private:
-  struct Exact;
+  // E and V_q side by side, q by q.
+  using Exact = Eigen::MatrixXd;
+
+  int n_inputs() const { return static_cast<int>(block_.B.cols()); }
   Exact brief(double length) const;
-  Exact doubled(const Exact& half, double length_of_half) const;
+  Exact sum_of(const Exact& first, double length_of_first, const Exact& second) const;
   Exact exact(double length) const;
+  Eigen::MatrixXd in_columns(const Exact& exact) const;
+  Eigen::MatrixXd in_columns_of_nodes(const Exact& exact, double interval) const;
   StepMatrices step_from(const Exact& interval, double length) const;
 
   hybrid::LinearBlock block_;
   int columns_;
-  double fastest_;          // bound for the magnitudes of L's eigenvalues [1/s]
-  PacketMatrix equations_;  // L and B
+  double fastest_;  // bound for the magnitudes of L's eigenvalues [1/s]
+  struct Entry {
+    int row, column;
+    double value;
+  };
+  std::vector<Entry> entries_of_L_, entries_of_B_;  // most are zero
+  std::vector<Exact> exact_;                        // on the ladder
   std::vector<PacketMatrix> ladder_;
-  std::vector<Exact> exact_;  // on the ladder
   mutable std::array<std::atomic<const StepMatrices*>, lowest_rung + 1> steps_{};
   mutable std::mutex making_;
 };
