@@ -25,6 +25,9 @@ constexpr int most_searches = 10;
 // Over half the distance a cubic errs by 2^4 times less, if the indicator is smooth; it is believed
 // to err by no more than four times that.
 constexpr double doubt_at_half = 4.0 / 16.0;
+// A cubic that errs by `doubt` in its middle does so as s^2 (1 - s)^2. Of a polynomial of degree 4
+// that lowers the control point in the middle, which for a cubic is the mean of its two inner ones.
+constexpr double weight_of_doubt = 16.0 / 6.0;
 
 }  // namespace
 
@@ -236,28 +239,36 @@ void Simulation::search_step(double stop) {
 // that have fired.
 double Simulation::first_event(const Look& a, const Look& b) {
   // A cubic is nowhere lower than its control points: most indicators need no more.
+  const int n = static_cast<int>(bound_.size());
   const double third = (b.t - a.t) / 3.0;
-  for (std::size_t i = 0; i < bound_.size(); ++i) {
-    const double z0 = a.z[i], z1 = b.z[i];
-    const double control = std::min(z0 + third * a.slope[i], z1 - third * b.slope[i]);
-    const double ends = std::min(z0, z1);
-    bound_[i] = z0 > 0.0 ? std::min(control, ends) - std::max(doubtful * ends, doubt_[i]) : z1;
+  const double *z0 = a.z.data(), *slope0 = a.slope.data();
+  const double *z1 = b.z.data(), *slope1 = b.slope.data();
+  const double* doubt = doubt_.data();
+  double* bound = bound_.data();
+  int suspects = 0;
+  for (int i = 0; i < n; ++i) {
+    const double c0 = z0[i] + third * slope0[i], c1 = z1[i] - third * slope1[i];
+    const double ends = std::min(z0[i], z1[i]);
+    const double low = std::min(std::min(c0, c1), ends) - doubtful * ends;
+    const double middle = 0.5 * (c0 + c1) - weight_of_doubt * doubt[i];
+    bound[i] = std::min(z0[i] > 0.0 ? std::min(low, middle) : z1[i], z1[i]);
+    suspects += bound[i] > 0.0 ? 0 : 1;
   }
+  if (suspects == 0) return never;
 
   double first = never;
-  for (int i = 0; i < static_cast<int>(bound_.size()); ++i) {
-    const double z1 = b.z[i];
-    if (bound_[i] > 0.0 && z1 > 0.0) continue;
-    const Sample at_a{a.t, a.z[i], a.slope[i]}, at_b{b.t, z1, b.slope[i]};
+  for (int i = 0; i < n; ++i) {
+    if (bound[i] > 0.0) continue;
+    const Sample at_a{a.t, z0[i], slope0[i]}, at_b{b.t, z1[i], slope1[i]};
     const Cubic cubic(at_a, at_b);
     double outside = b.t;
-    double z_outside = z1;
+    double z_outside = z1[i];
     // Semantics 1: out of the domain and back between the looks?
     const std::optional<Sample> low = dip(i, at_a, at_b, doubt_[i], most_searches);
     if (low) {
       outside = low->t;
       z_outside = low->z;
-    } else if (z1 > 0.0) {
+    } else if (z1[i] > 0.0) {
       continue;
     }
     if (first < outside) {
@@ -268,7 +279,7 @@ double Simulation::first_event(const Look& a, const Look& b) {
     }
 
     double inside = a.t;
-    double z_inside = a.z[i];
+    double z_inside = z0[i];
     if (z_inside <= 0.0) {
       // Semantics 2: it counts as inside at a; find out where it really is.
       const std::optional<double> highest = cubic.maximum();
@@ -281,7 +292,7 @@ double Simulation::first_event(const Look& a, const Look& b) {
         z_outside = z_inside;
         inside = 0.5 * (a.t + inside);
       }
-      if (z_inside <= 0.0 && z1 >= a.z[i]) continue;  // on its way in, or where it was left
+      if (z_inside <= 0.0 && z1[i] >= z0[i]) continue;  // on its way in, or where it was left
     }
     const auto z = [&](double t) { return indicator_inside(i, t); };
     const double t = z_inside > 0.0 ? leave_domain(z, inside, z_inside, outside, z_outside,
@@ -303,8 +314,9 @@ std::optional<Sample> Simulation::dip(int indicator, const Sample& a, const Samp
   const Cubic cubic(a, b);
   const std::optional<double> lowest = a.slope < 0.0 ? cubic.minimum() : std::nullopt;
   const bool near = lowest && cubic(*lowest) <= doubtful * std::min(a.z, std::abs(b.z));
-  const bool unsure =
-      doubt > 0.0 && b.z > 0.0 && std::min({a.z, b.z, lowest ? cubic(*lowest) : a.z}) <= doubt;
+  const double third = (b.t - a.t) / 3.0;
+  const double middle = 0.5 * (a.z + third * a.slope + b.z - third * b.slope);
+  const bool unsure = doubt > 0.0 && b.z > 0.0 && middle <= weight_of_doubt * doubt;
   if (!near && !unsure) return {};
   const double t = lowest ? *lowest : 0.5 * (a.t + b.t);
   Sample c{t, indicator_inside(indicator, t), 0.0};

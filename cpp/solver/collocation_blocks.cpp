@@ -1,6 +1,7 @@
 #include "solver/collocation_blocks.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace manutec_r3::solver {
 
@@ -37,25 +38,28 @@ void CollocationBlocks::refresh() {
   view_.constants(constants_.data());
 }
 
-void CollocationBlocks::gather(const Block& block, const double* x, const double* inputs,
+void CollocationBlocks::gather(const Block& block, const double* x, const double* inputs, int count,
                                double* coefficients) const {
   const auto& [states, watched, L, B, n_constants, n_forcing, n_remainder] = *block.equations;
   for (const int state : states) *coefficients++ = x[state];
   for (int i = 0; i < n_constants; ++i) *coefficients++ = constants_[block.first_constant + i];
-  for (int k = 0; k < n_nodes; ++k) {
+  for (int k = 0; k < count; ++k) {
     const double* forcing = inputs + k * n_inputs_ + block.first_forcing;
     for (int i = 0; i < n_forcing; ++i) *coefficients++ = forcing[i];
   }
-  for (int k = 0; k < n_nodes; ++k) {
+  for (int k = 0; k < count; ++k) {
     const double* remainder = inputs + k * n_inputs_ + block.first_remainder;
     for (int i = 0; i < n_remainder; ++i) *coefficients++ = remainder[i];
   }
 }
 
 void CollocationBlocks::derivatives(const double* x, const double* inputs, double* dx) const {
+  std::array<double, most_columns> coefficients;
   for (const Block& block : blocks_) {
-    block.propagator->derivatives(x, &constants_[block.first_constant],
-                                  inputs + block.first_forcing, inputs + block.first_remainder, dx);
+    gather(block, x, inputs, 1, coefficients.data());
+    std::array<double, most_states> of_block{};
+    block.propagator->derivatives(coefficients.data(), of_block.data());
+    scatter(block, of_block.data(), dx);
   }
 }
 

@@ -34,10 +34,15 @@ class CollocationBlocks {
   std::size_t size() const { return blocks_.size(); }
   const Block& operator[](std::size_t index) const { return blocks_[index]; }
 
-  // The coefficients of a block's columns: its states in x, its constants, and its part of five
+  // The coefficients of a block's columns: its states in x, its constants, and its part of `count`
   // vectors of inputs.
-  void gather(const Block& block, const double* x, const double* inputs,
+  void gather(const Block& block, const double* x, const double* inputs, int count,
               double* coefficients) const;
+
+  // Puts the states of a block where they belong among those of the system.
+  static void scatter(const Block& block, const double* of_block, double* x) {
+    for (const int state : block.equations->states) x[state] = *of_block++;
+  }
 
   // The derivatives of all states, for inputs at the same instant.
   void derivatives(const double* x, const double* inputs, double* dx) const;

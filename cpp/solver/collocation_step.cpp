@@ -10,8 +10,7 @@ CollocationStep::CollocationStep(int n_states, const CollocationBlocks& blocks)
       record_(n_states, blocks),
       powers_(n_nodes * blocks.n_inputs()),
       derivatives_(powers_.size()),
-      x_(n_states),
-      terms_(Propagator::n_terms * n_states) {}
+      x_(n_states) {}
 
 void CollocationStep::evaluate(const hybrid::Step& step, double t, double* x) {
   const double after = t - step.dense[record_.begin];
@@ -20,17 +19,12 @@ void CollocationStep::evaluate(const hybrid::Step& step, double t, double* x) {
                          after - base_ < Propagator::length(blocks_.n_rungs() - 1);
   if (!in_series) expand(step, after);
 
-  const int n = static_cast<int>(x_.size());
-  const double time = after - base_;
-  const double* term = &terms_[(Propagator::n_terms - 1) * n];
-  std::copy_n(term, n, x_.begin());
-  for (int i = Propagator::n_terms - 1; i > 0; --i) {
-    term -= n;
-    for (int s = 0; s < n; ++s) x_[s] = x_[s] * time + term[s];
-  }
-  const double* of_block = x_.data();
+  const double* terms = terms_.data();
   for (const CollocationBlocks::Block& block : blocks_) {
-    for (const int state : block.equations->states) x[state] = *of_block++;
+    std::array<double, most_states> of_block;
+    block.propagator->sum(terms, after - base_, of_block.data());
+    blocks_.scatter(block, of_block.data(), x);
+    terms += Propagator::n_terms * block.propagator->padded_states();
   }
 }
 
@@ -52,25 +46,25 @@ void CollocationStep::expand(const hybrid::Step& step, double after) {
   }
 
   std::array<double, most_columns> coefficients;
-  std::vector<double> x(&step.dense[record_.x], &step.dense[record_.inputs]);
+  std::copy_n(&step.dense[record_.x], x_.size(), x_.begin());
   for (int rung = 0; rung < blocks_.n_rungs(); ++rung) {
     for (; after - base_ >= Propagator::length(rung); base_ += Propagator::length(rung)) {
       find_derivatives_of_inputs(base_, interval_);
       for (const CollocationBlocks::Block& block : blocks_) {
-        blocks_.gather(block, x.data(), derivatives_.data(), coefficients.data());
-        std::array<double, most_states> advanced;
+        blocks_.gather(block, x_.data(), derivatives_.data(), n_nodes, coefficients.data());
+        std::array<double, most_states> advanced{};
         block.propagator->advance(rung, coefficients.data(), advanced.data());
-        const std::vector<int>& states = block.equations->states;
-        for (std::size_t s = 0; s < states.size(); ++s) x[states[s]] = advanced[s];
+        blocks_.scatter(block, advanced.data(), x_.data());
       }
     }
   }
   find_derivatives_of_inputs(base_, interval_);
+  terms_.resize(Propagator::n_terms * most_states * blocks_.size());
   double* terms = terms_.data();
   for (const CollocationBlocks::Block& block : blocks_) {
-    blocks_.gather(block, x.data(), derivatives_.data(), coefficients.data());
-    block.propagator->expand(coefficients.data(), terms, static_cast<int>(x_.size()));
-    terms += block.propagator->n_states();
+    blocks_.gather(block, x_.data(), derivatives_.data(), n_nodes, coefficients.data());
+    block.propagator->expand(coefficients.data(), terms);
+    terms += Propagator::n_terms * block.propagator->padded_states();
   }
 }
 

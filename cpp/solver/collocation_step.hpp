@@ -37,7 +37,8 @@ class CollocationStep : public hybrid::DenseOutput {
   // The series: of which step, from how long after its beginning, and its terms.
   bool known_ = false;
   double begin_ = 0.0, interval_ = 0.0, base_ = 0.0;
-  std::vector<double> x_, terms_;  // states of all blocks, one block after another
+  std::vector<double> terms_;  // of one block after another
+  std::vector<double> x_;      // scratch
 };
 
 }  // namespace manutec_r3::solver

@@ -132,8 +132,7 @@ void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
       std::array<double, most_states> ended{};
       matrices_[b]->end.add_product(of_block_[b].coefficients.data(), ended.data());
-      const std::vector<int>& states = blocks_[b].equations->states;
-      for (std::size_t s = 0; s < states.size(); ++s) x1[states[s]] = ended[s];
+      blocks_.scatter(blocks_[b], ended.data(), x1);
     }
   }
   system_.hold(x1);
@@ -240,7 +239,7 @@ void ExponentialCollocation::predict() {
 void ExponentialCollocation::prepare_states() {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     auto& [coefficients, settled, watched, rates] = of_block_[b];
-    blocks_.gather(blocks_[b], x_.data(), inputs_.data(), coefficients.data());
+    blocks_.gather(blocks_[b], x_.data(), inputs_.data(), n_nodes, coefficients.data());
     const int in_sweeps = input_degree * blocks_[b].equations->n_remainder;
     const int in_common = blocks_[b].propagator->columns() - in_sweeps;
     std::ranges::fill(settled, 0.0);

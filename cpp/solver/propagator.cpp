@@ -15,8 +15,8 @@ namespace {
 
 using Eigen::MatrixXd;
 
-// Taylor's series of exp(z) to z^19 has all digits for |z| up to this.
-constexpr double brief_enough = 1.0;
+// Taylor's series of exp(z) to z^11 has all digits for |z| up to this.
+constexpr double brief_enough = 0.15;
 
 // i!
 double factorial(int i) {
@@ -76,17 +76,9 @@ Propagator::Propagator(hybrid::LinearBlock block) : block_(std::move(block)) {
     throw std::invalid_argument("linear block: expected at most " + std::to_string(most_states) +
                                 " states, got " + std::to_string(n));
   }
-  const auto entries_of = [](const MatrixXd& matrix) {
-    std::vector<Entry> entries;
-    for (int c = 0; c < matrix.cols(); ++c) {
-      for (int r = 0; r < matrix.rows(); ++r) {
-        if (matrix(r, c) != 0.0) entries.push_back({r, c, matrix(r, c)});
-      }
-    }
-    return entries;
-  };
-  entries_of_L_ = entries_of(block_.L);
-  entries_of_B_ = entries_of(block_.B);
+  MatrixXd L_and_B(n, n + n_inputs());
+  L_and_B << block_.L, block_.B;
+  equations_ = PacketMatrix(L_and_B);
   fastest_ = largest_eigenvalue(block_.L.cwiseAbs());
 
   int rungs = 1;
@@ -119,11 +111,7 @@ Propagator::Exact Propagator::brief(double d) const {
     for (int q = 0; q < n_nodes; ++q, power *= d) {
       exact.middleCols(n + q * m, m) += term.rightCols(m) * (power / factorial(i + q + 1));
     }
-    MatrixXd next = MatrixXd::Zero(n, n + m);
-    for (const auto& [row, column, value] : entries_of_L_) {
-      next.row(row) += (value * d) * term.row(column);
-    }
-    term = next;
+    term = product(block_.L * d, term);
   }
   return exact;
 }
@@ -186,60 +174,45 @@ MatrixXd Propagator::in_columns_of_nodes(const Exact& exact, double d) const {
   return columns;
 }
 
-void Propagator::derivatives(const double* x, const double* constants, const double* forcing,
-                             const double* remainder, double* dx) const {
-  const std::vector<int>& states = block_.states;
-  const int n_c = block_.n_constants, n_f = block_.n_forcing;
-  for (const int state : states) dx[state] = 0.0;
-  for (const auto& [row, column, value] : entries_of_L_)
-    dx[states[row]] += value * x[states[column]];
-  for (const auto& [row, column, value] : entries_of_B_) {
-    const double input = column < n_c         ? constants[column]
-                         : column < n_c + n_f ? forcing[column - n_c]
-                                              : remainder[column - n_c - n_f];
-    dx[states[row]] += value * input;
-  }
-}
-
 void Propagator::advance(int rung, const double* coefficients, double* x) const {
   if (rung < n_rungs()) {
-    std::array<double, most_states> after{};
-    ladder_[rung].add_product(coefficients, after.data());
-    std::copy_n(after.data(), n_states(), x);
+    ladder_[rung].add_product(coefficients, x);
     return;
   }
   std::array<double, n_terms * most_states> terms;
-  expand(coefficients, terms.data(), most_states);
-  for (int s = 0; s < n_states(); ++s) {
-    double sum = 0.0;
-    for (int i = n_terms - 1; i >= 0; --i) sum = sum * length(rung) + terms[i * most_states + s];
-    x[s] = sum;
-  }
+  expand(coefficients, terms.data());
+  sum(terms.data(), length(rung), x);
 }
 
-void Propagator::expand(const double* coefficients, double* terms, int stride) const {
-  const int n = n_states();
+void Propagator::expand(const double* coefficients, double* terms) const {
+  const int n = n_states(), rows = padded_states();
   const int n_c = block_.n_constants, n_f = block_.n_forcing, n_r = block_.n_remainder;
   const double* constants = coefficients + n;
   const double* forcing = constants + n_c;
   const double* remainder = forcing + n_nodes * n_f;
-  for (int s = 0; s < n; ++s) terms[s] = coefficients[s];
-  double one_by_factorial = 1.0;  // of the order of the term
-  for (int i = 0; i + 1 < n_terms; ++i, terms += stride) {
-    // x^(i+1)/(i+1)! from x^(i)/i! and u^(i)/i!
-    double* next = terms + stride;
-    for (int s = 0; s < n; ++s) next[s] = 0.0;
-    for (const auto& [row, column, value] : entries_of_L_) next[row] += value * terms[column];
+  std::fill_n(terms, n_terms * rows, 0.0);
+  std::copy_n(coefficients, n, terms);
+  // x^(i+1) = L x^(i) + B u^(i), for now without 1/i!
+  for (int i = 0; i + 1 < n_terms; ++i) {
+    double* next = terms + (i + 1) * rows;
+    equations_.add_product(0, n, terms + i * rows, next);
+    if (i == 0) equations_.add_product(n, n_c, constants, next);
     if (i < n_nodes) {
-      for (const auto& [row, column, value] : entries_of_B_) {
-        const double input = column < n_c         ? (i == 0 ? constants[column] : 0.0)
-                             : column < n_c + n_f ? forcing[i * n_f + column - n_c]
-                                                  : remainder[i * n_r + column - n_c - n_f];
-        next[row] += value * input * one_by_factorial;
-      }
+      equations_.add_product(n + n_c, n_f, forcing + i * n_f, next);
+      equations_.add_product(n + n_c + n_f, n_r, remainder + i * n_r, next);
     }
-    for (int s = 0; s < n; ++s) next[s] /= i + 1;
-    one_by_factorial /= i + 1;
+  }
+  for (int i = 2; i < n_terms; ++i) {
+    const double weight = 1.0 / factorial(i);
+    for (int s = 0; s < rows; ++s) terms[i * rows + s] *= weight;
+  }
+}
+
+void Propagator::sum(const double* terms, double time, double* x) const {
+  const int rows = padded_states();
+  std::copy_n(terms + (n_terms - 1) * rows, rows, x);
+  for (int i = n_terms - 2; i >= 0; --i) {
+    for (int s = 0; s < rows; ++s) x[s] = x[s] * time + terms[i * rows + s];
   }
 }
 
@@ -272,10 +245,7 @@ StepMatrices Propagator::step_from(const Exact& interval, double d) const {
   for (int node = 1; node < n_nodes; ++node) {
     if (node > 1) to_node = sum_of(to_node, (node - 1) * d, interval);
     const MatrixXd columns = in_columns_of_nodes(to_node, d);
-    MatrixXd derivatives = MatrixXd::Zero(n, columns_);
-    for (const auto& [row, column, value] : entries_of_L_) {
-      derivatives.row(row) += value * columns.row(column);
-    }
+    MatrixXd derivatives = product(block_.L, columns);
     derivatives.middleCols(n, n_c) += block_.B.leftCols(n_c);
     derivatives.middleCols(n + n_c + node * n_f, n_f) += block_.B.middleCols(n_c, n_f);
     derivatives.middleCols(n + n_c + n_nodes * n_f + node * n_r, n_r) += block_.B.rightCols(n_r);

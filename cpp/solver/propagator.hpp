@@ -60,9 +60,11 @@ class Propagator {
   int columns() const { return columns_; }
   int padded_watched() const { return padded(static_cast<int>(block_.watched.size())); }
 
-  // The derivatives dx of the block's states among those of the system.
-  void derivatives(const double* x, const double* constants, const double* forcing,
-                   const double* remainder, double* dx) const;
+  // The derivatives dx (padded) of the states, for inputs at the same instant: coefficients are
+  // states, constants, forcing, remainder.
+  void derivatives(const double* coefficients, double* dx) const {
+    equations_.add_product(coefficients, dx);
+  }
 
   // Of steps with intervals on this rung; made when first asked for, by any thread.
   const StepMatrices& step(int rung) const;
@@ -74,10 +76,13 @@ class Propagator {
   // The states after a length of the ladder, for derivatives of inputs at the beginning.
   void advance(int rung, const double* coefficients, double* x) const;
 
-  // Taylor's series: n_terms terms x^(i)/i!, one every `stride` numbers, the states first. It has
+  // Taylor's series: terms x^(i)/i!, one every `padded_states` numbers, the states first. It has
   // all digits for times shorter than the last rung.
-  static constexpr int n_terms = 20;
-  void expand(const double* coefficients, double* terms, int stride) const;
+  static constexpr int n_terms = 12;
+  int padded_states() const { return equations_.padded_rows(); }
+  void expand(const double* coefficients, double* terms) const;
+  // Its sum after a time.
+  void sum(const double* terms, double time, double* x) const;
 
  private:
   // E and V_q side by side, q by q.
@@ -93,13 +98,9 @@ class Propagator {
 
   hybrid::LinearBlock block_;
   int columns_;
-  double fastest_;  // bound for the magnitudes of L's eigenvalues [1/s]
-  struct Entry {
-    int row, column;
-    double value;
-  };
-  std::vector<Entry> entries_of_L_, entries_of_B_;  // most are zero
-  std::vector<Exact> exact_;                        // on the ladder
+  double fastest_;            // bound for the magnitudes of L's eigenvalues [1/s]
+  PacketMatrix equations_;    // L and B
+  std::vector<Exact> exact_;  // on the ladder
   std::vector<PacketMatrix> ladder_;
   mutable std::array<std::atomic<const StepMatrices*>, lowest_rung + 1> steps_{};
   mutable std::mutex making_;
