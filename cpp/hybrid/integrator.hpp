@@ -45,10 +45,10 @@ class Integrator : public DenseOutput {
   // whatever the system throws.
   virtual void advance(double stop, Step& step, double* x1) = 0;
 
-  // Instants inside the latest step, in order, at which it knows the solution for nothing: what
-  // the indicators read of it, and of its derivatives.
+  // Instants inside the latest step, in order, at which it knows the solution for nothing: gives
+  // the instant, the indicators there and their rates.
   virtual int n_looks() const { return 0; }
-  virtual double look(int, double* /*x*/, double* /*derivatives*/) { return 0.0; }
+  virtual double look(int, double* /*z*/, double* /*slope*/) { return 0.0; }
 
   // The step size to try next, if nothing happens.
   virtual double next_size() const = 0;

@@ -194,10 +194,7 @@ void Simulation::look_inside_step() {
     Look& look = looks_[k + 1];
     look.z.resize(system_.n_indicators());
     look.slope.resize(system_.n_indicators());
-    look.t = integrator_.look(k, scratch_x_.data(), scratch_derivatives_.data());
-    system_.indicators(look.t, scratch_x_.data(), look.z.data());
-    system_.indicator_rates(look.t, scratch_x_.data(), scratch_derivatives_.data(),
-                            look.slope.data());
+    look.t = integrator_.look(k, look.z.data(), look.slope.data());
   }
   looks_.back() = now_.look;
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <span>
 #include <variant>
 
 #include "drive/axis.hpp"
@@ -27,8 +28,7 @@ class ElectricalSwitches<N, drive::ModelicaAxes<N>> {
   void freeze() {}
   void initialise(const double*, const double*) {}
   void indicators(ElementKind, double, const double*, double*) const {}
-  bool has_axis_at_voltage_limit() const { return false; }
-  void indicator_rates(ElementKind, double, const double*, const double*, const double*,
+  void indicator_rates(ElementKind, double, const double*, const double*, std::span<double>,
                        double*) const {}
   void cross(ElementKind, int, bool, double*, const double*) {}
   void after_jump(double, const double*) {}
@@ -85,21 +85,14 @@ class ElectricalSwitches<N, drive::Axes<N>> {
     }
   }
 
-  bool has_axis_at_voltage_limit() const {
-    for (int i = 0; i < N; ++i) {
-      if (mode_.branch(voltage_limit, i) != 0) return true;
-    }
-    return false;
-  }
-
-  // How fast they change along the derivatives dx, which lead to x_soon; that is needed only if an
-  // axis is at its limit.
+  // How fast they change along the derivatives dx.
   void indicator_rates(ElementKind kind, double t, const double* x, const double* dx,
-                       const double* x_soon, double* rates) const {
+                       std::span<double> x_soon, double* rates) const {
     if (!has_controller_) return;
     PerAxis<N> drive_rate = PerAxis<N>::Zero();
     if (kind == voltage_limit && has_axis_at_voltage_limit()) {
-      drive_rate = (drive_of_voltage(t + soon, x_soon) - drive_of_voltage(t, x)) / soon;
+      state_soon(x, dx, static_cast<int>(x_soon.size()), x_soon.data());
+      drive_rate = (drive_of_voltage(t + soon, x_soon.data()) - drive_of_voltage(t, x)) / soon;
     }
     for (int i = 0; i < N; ++i, rates += 2) {
       const int branch = mode_.branch(kind, i);
@@ -147,6 +140,13 @@ class ElectricalSwitches<N, drive::Axes<N>> {
   }
   PerAxis<N> drive_of_voltage(double t, const double* x) const {
     return equations_.axes.drive_of_voltage(equations_.electrical(x), equations_.command(t, x));
+  }
+
+  bool has_axis_at_voltage_limit() const {
+    for (int i = 0; i < N; ++i) {
+      if (mode_.branch(voltage_limit, i) != 0) return true;
+    }
+    return false;
   }
 
   OfEquations& equations_;

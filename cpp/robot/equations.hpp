@@ -246,6 +246,19 @@ class Equations {
     return result;
   }
 
+  // rM of a sticking axis that others act on at once.
+  double held_friction(int axis, const Dynamics& dynamics, const Torques& torques,
+                       const Accelerations& a) const {
+    if (is_elastic(axis)) {
+      return torques.motor[axis] - torques.gear[axis] - dynamics.arM.col(axis).dot(a.joint) -
+             rJ[axis] * dynamics.drift[axis];
+    }
+    // The joint takes from the gear what the arms take from the joint.
+    double aF = dynamics.M.row(axis).dot(a.joint) + dynamics.bias[axis];
+    if (any_carried_) aF += dynamics.arM.row(axis).dot(a.rotor);
+    return torques.motor[axis] - aF / p[axis];
+  }
+
   // Torques and accelerations, friction of all sticking axes included.
   struct Mechanics {
     Torques torques;
@@ -259,17 +272,10 @@ class Equations {
     torques = this->torques(t, x);
     const Accelerations a = accelerations(dynamics, torques);
     result.joint_acceleration = a.joint.array();
-    arm::Vector<N> aL = dynamics.M * a.joint + dynamics.bias;  // what the arms take from the joints
-    if (any_carried_) aL += dynamics.arM * a.rotor;
     for (int i = 0; i < N; ++i) {
       if (!sticking[i] || !is_coupled(i)) continue;
-      if (is_elastic(i)) {
-        torques.friction[i] = torques.motor[i] - torques.gear[i] -
-                              dynamics.arM.col(i).dot(a.joint) - rJ[i] * dynamics.drift[i];
-      } else {
-        torques.gear[i] = aL[i] / p[i];
-        torques.friction[i] = torques.motor[i] - torques.gear[i];
-      }
+      torques.friction[i] = held_friction(i, dynamics, torques, a);
+      if (!is_elastic(i)) torques.gear[i] = torques.motor[i] - torques.friction[i];
     }
     return result;
   }

@@ -1,4 +1,5 @@
-// A robot as linear blocks, one for each axis: controllers, motor, rotor, gear and joint.
+// A robot as linear blocks (hybrid/linear_view.hpp), one for each axis: controllers, motor, rotor,
+// gear and joint.
 //
 // On frozen branches an axis is linear (spec 4, spec 5) but for what the arms do to it:
 //
@@ -28,7 +29,7 @@ namespace manutec_r3::robot {
 inline constexpr double inertias_per_octave = 4.0;
 
 template <int N, class Axes>
-class LinearDrives final : public hybrid::LinearView {
+class LinearDrives {
   using OfEquations = Equations<N, Axes>;
   static constexpr int E = OfEquations::E;
 
@@ -43,9 +44,7 @@ class LinearDrives final : public hybrid::LinearView {
         zero_(robot.n_states(), 0.0),
         rates_(robot.n_states()) {}
 
-  int n_blocks() const override { return N; }
-
-  const hybrid::LinearBlock& block(int axis) override {
+  const hybrid::LinearBlock& block(int axis) {
     const auto [place, is_new] = blocks_[axis].try_emplace(key(axis));
     if (is_new) place->second = make_block(axis);
     return place->second;
@@ -53,7 +52,7 @@ class LinearDrives final : public hybrid::LinearView {
 
   // Where the drives' equations are not zero at zero state: edges of NL1 in m'', edges of NL2 and
   // NL4 and dry friction in the acceleration of the rotor.
-  void constants(double* values) override {
+  void constants(double* values) {
     drive_rates(zero_.data(), PerAxis<N>::Zero(), PerAxis<N>::Zero(), rates_.data());
     for (int i = 0; i < N; ++i) {
       for (const int state : states_with_constants(i)) *values++ = rates_[state];
@@ -61,24 +60,44 @@ class LinearDrives final : public hybrid::LinearView {
   }
 
   // The command at the reference, as if the rotors were at zero; or the motor torques.
-  void forcing(double t, double* values) override {
+  void forcing(double t, double* values) const {
     drive::View<N>{values} = equations_.command_or_torque(t, zero_.data());
   }
 
-  void remainder(double t, const double* x, double* values) override {
+  // Of what sticks it is the friction that holds it, which moves nothing.
+  void remainder(double t, const double* x, double* values) const {
     const typename OfEquations::Torques torques = equations_.torques(t, x);
-    const typename OfEquations::Accelerations a =
-        equations_.accelerations(equations_.dynamics(t, x), torques);
+    const typename OfEquations::Dynamics dynamics = equations_.dynamics(t, x);
+    const typename OfEquations::Accelerations a = equations_.accelerations(dynamics, torques);
     for (int i = 0; i < N; ++i) {
-      *values++ = a.joint[i] - (holds(i) ? 0.0 : p_by_A(i) * torques.gear[i]);
+      if (holds(i)) {
+        *values++ = equations_.held_friction(i, dynamics, torques, a);
+      } else {
+        *values++ = a.joint[i] - p_by_A(i) * torques.gear[i];
+      }
       if (!robot_.carries_elastic_rotor(i)) continue;
-      const double drive = torques.motor[i] - torques.gear[i] - torques.friction[i];
-      *values++ = equations_.sticking[i] ? 0.0 : a.rotor[i] - drive / equations_.rJ[i];
+      if (equations_.sticking[i]) {
+        *values++ = equations_.held_friction(i, dynamics, torques, a);
+      } else {
+        const double drive = torques.motor[i] - torques.gear[i] - torques.friction[i];
+        *values++ = a.rotor[i] - drive / equations_.rJ[i];
+      }
+    }
+  }
+
+  // What a remainder, or its rate, says of the friction of coupled axes that stick.
+  void read_held_friction(const double* remainder, PerAxis<N>& friction) const {
+    for (int i = 0; i < N; ++i) {
+      if (holds(i)) friction[i] = *remainder;
+      ++remainder;
+      if (!robot_.carries_elastic_rotor(i)) continue;
+      if (equations_.sticking[i]) friction[i] = *remainder;
+      ++remainder;
     }
   }
 
   // Polynomials are; functions of a user are not asked beyond their knots.
-  bool extends_beyond_events() const override {
+  bool extends_beyond_events() const {
     return !inputs_.of_axes && !inputs_.tip_force &&
            (!inputs_.motion || inputs_.motion->extends_beyond_knots());
   }

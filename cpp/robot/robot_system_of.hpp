@@ -33,7 +33,7 @@ inline bool has_come(double instant, double t) {
 }
 
 template <int N, class Axes>
-class RobotSystemOf final : public RobotSystem {
+class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
   // Indicators: two for every axis and row, of which some mean nothing on some robots.
   enum IndicatorRow {
     of_dead_zone,
@@ -85,83 +85,30 @@ class RobotSystemOf final : public RobotSystem {
   // --- indicators -------------------------------------------------------------------------------
 
   void indicators(double t, const double* x, double* z) override {
-    std::fill_n(z, n_indicators(), 1.0);
-    electrical_.indicators(dead_zone, t, x, slot(z, of_dead_zone, 0));
-    electrical_.indicators(torque_limit, t, x, slot(z, of_torque_limit, 0));
-    electrical_.indicators(voltage_limit, t, x, slot(z, of_voltage_limit, 0));
-    if (!robot_->has_real_gears()) return;
-    const ConstView<E> delta = equations_.deflection(x);
-    for (int i = 0; i < E; ++i) {
-      if (!equations_.gear.has_backlash(i)) continue;
-      edges(branch(backlash, i), delta[i], equations_.gear.b[i], slot(z, of_backlash, i));
-    }
-    const PerAxis<N> rate = equations_.rotor_rate(x);
-    const PerAxis<N> held = friction_torque(t, x);
-    for (int i = 0; i < N; ++i) {
-      if (!friction_.has_friction(i)) continue;
-      const int direction = friction_.rotor_direction(i);
-      double* of_friction_i = slot(z, of_friction, i);
-      if (direction == 0) {
-        if (mode_.branch(Mode<N>::brake, i)) continue;
-        of_friction_i[0] = friction_.sticking_limit(i) - held[i];
-        of_friction_i[1] = friction_.sticking_limit(i) + held[i];
-        continue;
-      }
-      const double speed = direction * rate[i];
-      of_friction_i[0] = speed;
-      const int piece = mode_.branch(Mode<N>::friction_piece, i);
-      double* of_piece = slot(z, of_friction_piece, i);
-      const double upper = friction_.characteristic(i).upper_end(piece);
-      const double lower = friction_.characteristic(i).lower_end(piece);
-      if (std::isfinite(upper)) of_piece[0] = upper - speed;
-      if (std::isfinite(lower)) of_piece[1] = speed - lower;
-      if (equations_.is_elastic(i) && creep_rate() > 0.0) {
-        const bool armed = mode_.branch(Mode<N>::creep, i) != 0;
-        slot(z, of_creep, i)[0] = armed ? speed - creep_rate() : creep_armed * creep_rate() - speed;
-      }
-    }
+    find_indicators(t, x, friction_torque(t, x), z);
   }
 
   void indicator_rates(double t, const double* x, const double* dx, double* rates) override {
-    std::fill_n(rates, n_indicators(), 0.0);
-    const bool some_stick = some_axis_sticks();
-    if (some_stick || electrical_.has_axis_at_voltage_limit()) {
-      state_soon(x, dx, n_states(), x_soon_.data());
-    }
-    const double* x_soon = x_soon_.data();
-    electrical_.indicator_rates(dead_zone, t, x, dx, x_soon, slot(rates, of_dead_zone, 0));
-    electrical_.indicator_rates(torque_limit, t, x, dx, x_soon, slot(rates, of_torque_limit, 0));
-    electrical_.indicator_rates(voltage_limit, t, x, dx, x_soon, slot(rates, of_voltage_limit, 0));
-    if (!robot_->has_real_gears()) return;
-    const ConstView<E> delta_rate = equations_.deflection(dx);
-    for (int i = 0; i < E; ++i) {
-      if (!equations_.gear.has_backlash(i)) continue;
-      edge_rates(branch(backlash, i), delta_rate[i], slot(rates, of_backlash, i));
-    }
-    const PerAxis<N> acceleration_of_rotor = equations_.rotor_rate(dx);  // linear in x
     PerAxis<N> held_rate = PerAxis<N>::Zero();
-    if (some_stick) {
-      held_rate = (friction_torque(t + soon, x_soon) - friction_torque(t, x)) / soon;
+    if (some_axis_sticks()) {
+      state_soon(x, dx, n_states(), x_soon_.data());
+      held_rate = (friction_torque(t + soon, x_soon_.data()) - friction_torque(t, x)) / soon;
     }
-    for (int i = 0; i < N; ++i) {
-      if (!friction_.has_friction(i)) continue;
-      const int direction = friction_.rotor_direction(i);
-      double* of_friction_i = slot(rates, of_friction, i);
-      if (direction == 0) {
-        if (!mode_.branch(Mode<N>::brake, i)) edge_rates(0, held_rate[i], of_friction_i);
-        continue;
-      }
-      const double acceleration = direction * acceleration_of_rotor[i];
-      of_friction_i[0] = acceleration;
-      const int piece = mode_.branch(Mode<N>::friction_piece, i);
-      double* of_piece = slot(rates, of_friction_piece, i);
-      if (std::isfinite(friction_.characteristic(i).upper_end(piece))) of_piece[0] = -acceleration;
-      if (std::isfinite(friction_.characteristic(i).lower_end(piece))) of_piece[1] = acceleration;
-      if (equations_.is_elastic(i) && creep_rate() > 0.0) {
-        const bool armed = mode_.branch(Mode<N>::creep, i) != 0;
-        slot(rates, of_creep, i)[0] = armed ? acceleration : -acceleration;
-      }
+    find_indicator_rates(t, x, dx, held_rate, rates);
+  }
+
+  // The remainder of what sticks is the friction that holds it.
+  void indicators(double t, const double* x, const double* dx, const double* u, const double* du,
+                  double* z, double* rates) override {
+    PerAxis<N> held = equations_.torques(t, x).friction, held_rate = PerAxis<N>::Zero();
+    if (some_axis_sticks()) {
+      state_soon(x, dx, n_states(), x_soon_.data());
+      held_rate = (equations_.torques(t + soon, x_soon_.data()).friction - held) / soon;
+      linear_drives_.read_held_friction(u, held);
+      linear_drives_.read_held_friction(du, held_rate);
     }
+    find_indicators(t, x, held, z);
+    find_indicator_rates(t, x, dx, held_rate, rates);
   }
 
   hybrid::Element element_of(int indicator) const override {
@@ -247,8 +194,17 @@ class RobotSystemOf final : public RobotSystem {
 
   // What springs and dampers hold shakes between axes as fast as they do: no slow remainder.
   hybrid::LinearView* linear_view() override {
-    return robot_->options().stiction == Stiction::exact ? &linear_drives_ : nullptr;
+    return robot_->options().stiction == Stiction::exact ? this : nullptr;
   }
+
+  int n_blocks() const override { return N; }
+  const hybrid::LinearBlock& block(int axis) override { return linear_drives_.block(axis); }
+  void constants(double* values) override { linear_drives_.constants(values); }
+  void forcing(double t, double* values) override { linear_drives_.forcing(t, values); }
+  void remainder(double t, const double* x, double* values) override {
+    linear_drives_.remainder(t, x, values);
+  }
+  bool extends_beyond_events() const override { return linear_drives_.extends_beyond_events(); }
 
   const hybrid::Mode& mode() const override { return mode_.frozen(); }
 
@@ -390,6 +346,78 @@ class RobotSystemOf final : public RobotSystem {
   // --- crossings --------------------------------------------------------------------------------
 
   static double* slot(double* z, IndicatorRow row, int axis) { return z + row * 2 * N + 2 * axis; }
+
+  // `held` is the friction torque of axes that stick.
+  void find_indicators(double t, const double* x, const PerAxis<N>& held, double* z) {
+    std::fill_n(z, n_indicators(), 1.0);
+    electrical_.indicators(dead_zone, t, x, slot(z, of_dead_zone, 0));
+    electrical_.indicators(torque_limit, t, x, slot(z, of_torque_limit, 0));
+    electrical_.indicators(voltage_limit, t, x, slot(z, of_voltage_limit, 0));
+    if (!robot_->has_real_gears()) return;
+    const ConstView<E> delta = equations_.deflection(x);
+    for (int i = 0; i < E; ++i) {
+      if (!equations_.gear.has_backlash(i)) continue;
+      edges(branch(backlash, i), delta[i], equations_.gear.b[i], slot(z, of_backlash, i));
+    }
+    const PerAxis<N> rate = equations_.rotor_rate(x);
+    for (int i = 0; i < N; ++i) {
+      if (!friction_.has_friction(i)) continue;
+      const int direction = friction_.rotor_direction(i);
+      double* of_friction_i = slot(z, of_friction, i);
+      if (direction == 0) {
+        if (mode_.branch(Mode<N>::brake, i)) continue;
+        of_friction_i[0] = friction_.sticking_limit(i) - held[i];
+        of_friction_i[1] = friction_.sticking_limit(i) + held[i];
+        continue;
+      }
+      const double speed = direction * rate[i];
+      of_friction_i[0] = speed;
+      const int piece = mode_.branch(Mode<N>::friction_piece, i);
+      double* of_piece = slot(z, of_friction_piece, i);
+      const double upper = friction_.characteristic(i).upper_end(piece);
+      const double lower = friction_.characteristic(i).lower_end(piece);
+      if (std::isfinite(upper)) of_piece[0] = upper - speed;
+      if (std::isfinite(lower)) of_piece[1] = speed - lower;
+      if (equations_.is_elastic(i) && creep_rate() > 0.0) {
+        const bool armed = mode_.branch(Mode<N>::creep, i) != 0;
+        slot(z, of_creep, i)[0] = armed ? speed - creep_rate() : creep_armed * creep_rate() - speed;
+      }
+    }
+  }
+
+  void find_indicator_rates(double t, const double* x, const double* dx,
+                            const PerAxis<N>& held_rate, double* rates) {
+    std::fill_n(rates, n_indicators(), 0.0);
+    electrical_.indicator_rates(dead_zone, t, x, dx, x_soon_, slot(rates, of_dead_zone, 0));
+    electrical_.indicator_rates(torque_limit, t, x, dx, x_soon_, slot(rates, of_torque_limit, 0));
+    electrical_.indicator_rates(voltage_limit, t, x, dx, x_soon_, slot(rates, of_voltage_limit, 0));
+    if (!robot_->has_real_gears()) return;
+    const ConstView<E> delta_rate = equations_.deflection(dx);
+    for (int i = 0; i < E; ++i) {
+      if (!equations_.gear.has_backlash(i)) continue;
+      edge_rates(branch(backlash, i), delta_rate[i], slot(rates, of_backlash, i));
+    }
+    const PerAxis<N> rotor_acceleration = equations_.rotor_rate(dx);  // linear in x
+    for (int i = 0; i < N; ++i) {
+      if (!friction_.has_friction(i)) continue;
+      const int direction = friction_.rotor_direction(i);
+      double* of_friction_i = slot(rates, of_friction, i);
+      if (direction == 0) {
+        if (!mode_.branch(Mode<N>::brake, i)) edge_rates(0, held_rate[i], of_friction_i);
+        continue;
+      }
+      const double acceleration = direction * rotor_acceleration[i];
+      of_friction_i[0] = acceleration;
+      const int piece = mode_.branch(Mode<N>::friction_piece, i);
+      double* of_piece = slot(rates, of_friction_piece, i);
+      if (std::isfinite(friction_.characteristic(i).upper_end(piece))) of_piece[0] = -acceleration;
+      if (std::isfinite(friction_.characteristic(i).lower_end(piece))) of_piece[1] = acceleration;
+      if (equations_.is_elastic(i) && creep_rate() > 0.0) {
+        const bool armed = mode_.branch(Mode<N>::creep, i) != 0;
+        slot(rates, of_creep, i)[0] = armed ? acceleration : -acceleration;
+      }
+    }
+  }
 
   // An indicator has left its domain.
   void cross(int indicator, double* x, Occasion& occasion) {

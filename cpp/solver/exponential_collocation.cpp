@@ -19,10 +19,12 @@ constexpr double settled_enough = 0.3;
 constexpr int most_sweeps = 12;
 // By how much a first sweep is believed to be worse than a second; after it it is known.
 constexpr double first_contraction = 0.1;
+// An error that even half as long a step would not mend, by far.
+constexpr double hopeless = 100.0;
 // Intervals twice as long make the error 2^5 times as large; some of it is left as a reserve.
-constexpr double allows_twice_as_long = 0.7 / 32.0;
+constexpr double allows_twice_as_long = 0.35 / 32.0;
 // Polynomials of the step before are not trusted further than so many intervals beyond it.
-constexpr double furthest_prediction = input_degree + 4.0;
+constexpr double furthest_prediction = input_degree + 8.0;
 
 hybrid::LinearView& linear_view_of(hybrid::System& system) {
   if (hybrid::LinearView* view = system.linear_view()) return *view;
@@ -43,6 +45,7 @@ ExponentialCollocation::ExponentialCollocation(hybrid::System& system, double re
       inputs_(n_nodes * blocks_.n_inputs()),
       sensitivity_(blocks_.n_inputs()),
       scratch_inputs_(blocks_.n_inputs()),
+      scratch_rates_(system.n_states()),
       of_block_(blocks_.size()),
       x_at_node_(n_nodes, std::vector<double>(system.n_states())) {
   before_.inputs.resize(inputs_.size());
@@ -90,7 +93,7 @@ void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1
   begin_ = t_;
   std::copy_n(remainder_at(t_, x_.data()), n_remainder(), remainder_at(0));
   const double remaining = stop - t_;
-  for (int rung = rung_;; rung_ = ++rung) {
+  for (int rung = rung_;;) {
     // No longer than it takes to reach the stop.
     while (rung < Propagator::lowest_rung &&
            input_degree * Propagator::length(rung + 1) >= remaining) {
@@ -112,6 +115,7 @@ void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1
       rung_ = first_rung;
       throw hybrid::SimulationFailure("steps have become too short to advance the time");
     }
+    rung_ = rung = std::min(rung + (error > hopeless ? 2 : 1), Propagator::lowest_rung);
   }
   ++work_.steps;
   find_rates();
@@ -157,6 +161,8 @@ double ExponentialCollocation::attempt() {
     find_states();
     const double change = sweep();
     if (!std::isfinite(change)) break;
+    // Far too long a step shows it at once.
+    if (sweeps == 0 && interpolation_error() > hopeless) return interpolation_error();
     const double contraction =
         sweeps == 0 ? first_contraction : std::min(0.5, change / change_before);
     change_before = change;
@@ -313,14 +319,22 @@ void ExponentialCollocation::find_rates() {
 
 // --- what others ask for -------------------------------------------------------------------------
 
-double ExponentialCollocation::look(int k, double* x, double* derivatives) {
-  std::ranges::copy(x_at_node_[k + 1], x);
+double ExponentialCollocation::look(int k, double* z, double* slope) {
+  const int node = k + 1, n = blocks_.n_inputs();
+  const double t = begin_ + node * interval_;
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const hybrid::LinearBlock& block = *blocks_[b].equations;
     const double* rate = &of_block_[b].rates[k * blocks_[b].propagator->padded_watched()];
-    for (const int place : block.watched) derivatives[block.states[place]] = *rate++;
+    for (const int place : block.watched) scratch_rates_[block.states[place]] = *rate++;
   }
-  return begin_ + (k + 1) * interval_;
+  std::ranges::fill(scratch_inputs_, 0.0);
+  for (int l = 0; l < n_nodes; ++l) {
+    const double weight = lagrange_slopes()(l, node) / interval_;
+    for (int i = blocks_.n_forcing(); i < n; ++i) scratch_inputs_[i] += weight * inputs_[l * n + i];
+  }
+  view_.indicators(t, x_at_node_[node].data(), scratch_rates_.data(), remainder_at(node),
+                   &scratch_inputs_[blocks_.n_forcing()], z, slope);
+  return t;
 }
 
 void ExponentialCollocation::derivatives(double t, const double* x, double* derivatives) {

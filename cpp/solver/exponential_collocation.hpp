@@ -34,7 +34,7 @@ class ExponentialCollocation final : public hybrid::Integrator {
   void remember(const hybrid::Step& step) override;
   void advance(double stop, hybrid::Step& step, double* x1) override;
   int n_looks() const override { return n_looks_; }
-  double look(int k, double* x, double* derivatives) override;
+  double look(int k, double* z, double* slope) override;
   double next_size() const override;
   void derivatives(double t, const double* x, double* derivatives) override;
   void evaluate(const hybrid::Step& step, double t, double* x) override {
@@ -81,7 +81,7 @@ class ExponentialCollocation final : public hybrid::Integrator {
   std::vector<StepMatrices> made_to_measure_;
   std::vector<double> inputs_;       // node by node
   std::vector<double> sensitivity_;  // of each input
-  std::vector<double> scratch_inputs_;
+  std::vector<double> scratch_inputs_, scratch_rates_;
   // Block by block: coefficients; watched states at nodes 1 to 4 without and with the remainders
   // there; their rates.
   struct Work {

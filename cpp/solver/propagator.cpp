@@ -69,6 +69,19 @@ const Eigen::Matrix<double, n_nodes, n_nodes>& lagrange_coefficients() {
   return coefficients;
 }
 
+const Eigen::Matrix<double, n_nodes, n_nodes>& lagrange_slopes() {
+  static const auto slopes = [] {
+    Eigen::Matrix<double, n_nodes, n_nodes> slopes_of_powers;
+    for (int q = 0; q < n_nodes; ++q) {
+      for (int node = 0; node < n_nodes; ++node) {
+        slopes_of_powers(q, node) = q == 0 ? 0.0 : q * std::pow(node, q - 1);
+      }
+    }
+    return Eigen::Matrix<double, n_nodes, n_nodes>(lagrange_coefficients() * slopes_of_powers);
+  }();
+  return slopes;
+}
+
 Propagator::Propagator(hybrid::LinearBlock block) : block_(std::move(block)) {
   const int n = n_states();
   columns_ = n + block_.n_constants + n_nodes * (block_.n_forcing + block_.n_remainder);

@@ -34,6 +34,8 @@ inline constexpr int most_columns = 48;
 
 // Coefficients of Lagrange's polynomials for the nodes 0, 1, .., 4: row l, power q.
 const Eigen::Matrix<double, n_nodes, n_nodes>& lagrange_coefficients();
+// Their slopes at the nodes: row l, node k.
+const Eigen::Matrix<double, n_nodes, n_nodes>& lagrange_slopes();
 
 // The matrices of a step, for inputs at the nodes.
 struct StepMatrices {
