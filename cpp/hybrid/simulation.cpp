@@ -38,6 +38,7 @@ Simulation::Simulation(System& system, Integrator& integrator, double t, std::ve
       trajectory_(trajectory),
       routine_(routine),
       start_(t),
+      looks_(2),
       doubt_(system.n_indicators()),
       bound_(system.n_indicators()),
       scratch_x_(system.n_states()),
@@ -132,15 +133,13 @@ void Simulation::restore(const Snapshot& snapshot) {
 void Simulation::advance_front() {
   const double stop = system_.next_time_event(now_.step.t1);
   x0_ = now_.x;
-  looks_.resize(1);
   looks_[0] = now_.look;
   try {
     integrator_.advance(stop, now_.step, now_.x.data());
     if (!std::ranges::all_of(now_.x, [](double value) { return std::isfinite(value); })) {
       throw SimulationFailure("the state has grown beyond all bounds");
     }
-    measure(now_.step.t1, now_.x, now_.look);
-    look_inside_step();
+    look_at_step();
     search_step(stop);
   } catch (...) {
     // Back to the beginning of the step, where all was well: the run can be continued.
@@ -156,16 +155,18 @@ void Simulation::advance_front() {
   if (trajectory_ && now_.step.t1 > now_.step.t0) trajectory_->append(now_.step, system_.mode());
 }
 
+void Simulation::prepare(Look& look) const {
+  look.z.resize(doubt_.size());
+  look.slope.resize(doubt_.size());
+}
+
 void Simulation::measure(double t, const std::vector<double>& x, Look& look) {
   look.t = t;
-  look.z.resize(system_.n_indicators());
-  look.slope.resize(system_.n_indicators());
+  prepare(look);
   integrator_.derivatives(t, x.data(), scratch_derivatives_.data());
   system_.indicators(t, x.data(), look.z.data());
   system_.indicator_rates(t, x.data(), scratch_derivatives_.data(), look.slope.data());
-  for (std::size_t i = 0; i < look.z.size(); ++i) {
-    check_indicator(static_cast<int>(i), look.z[i]);
-  }
+  check_indicators(look.z);
 }
 
 double Simulation::indicator_inside(int indicator, double t) {
@@ -174,6 +175,14 @@ double Simulation::indicator_inside(int indicator, double t) {
   system_.indicators(t, scratch_x_.data(), scratch_z_.data());
   check_indicator(indicator, scratch_z_[indicator]);
   return scratch_z_[indicator];
+}
+
+void Simulation::check_indicators(const std::vector<double>& z) const {
+  // Nothing times zero is zero, unless it is not finite.
+  double sum = 0.0;
+  for (const double value : z) sum += 0.0 * value;
+  if (sum == 0.0) return;
+  for (std::size_t i = 0; i < z.size(); ++i) check_indicator(static_cast<int>(i), z[i]);
 }
 
 void Simulation::check_indicator(int indicator, double z) const {
@@ -187,19 +196,26 @@ void Simulation::check_indicator(int indicator, double z) const {
 
 // Looks at all instants at which the integrator knows the solution. How well a cubic from one look
 // to the next but one meets the look between them tells how well cubics from look to look do.
-void Simulation::look_inside_step() {
-  const int inside = integrator_.n_looks();
-  looks_.resize(inside + 2);
-  for (int k = 0; k < inside; ++k) {
-    Look& look = looks_[k + 1];
-    look.z.resize(system_.n_indicators());
-    look.slope.resize(system_.n_indicators());
+void Simulation::look_at_step() {
+  const int n_looks = integrator_.n_looks();
+  if (static_cast<int>(looks_.size()) < n_looks + 2) looks_.resize(n_looks + 2);
+  std::size_t end = 0;
+  for (int k = 0; k < n_looks; ++k) {
+    Look& look = looks_[++end];
+    prepare(look);
     look.t = integrator_.look(k, look.z.data(), look.slope.data());
+    check_indicators(look.z);
   }
-  looks_.back() = now_.look;
+  if (looks_[end].t < now_.step.t1) {
+    measure(now_.step.t1, now_.x, now_.look);
+    looks_[++end] = now_.look;
+  } else {
+    now_.look = looks_[end];
+  }
+  last_look_ = end;
 
   std::ranges::fill(doubt_, 0.0);
-  for (int k = 1; k <= inside; ++k) {
+  for (std::size_t k = 1; k < end; ++k) {
     const CubicWeights at(looks_[k - 1].t, looks_[k + 1].t, looks_[k].t);
     const Look &a = looks_[k - 1], &b = looks_[k], &c = looks_[k + 1];
     for (std::size_t i = 0; i < doubt_.size(); ++i) {
@@ -216,7 +232,10 @@ void Simulation::search_step(double stop) {
   double first = never;
   std::size_t k = 0;
   now_.fired.clear();
-  while (first == never && ++k < looks_.size()) first = first_event(looks_[k - 1], looks_[k]);
+  while (first == never && k < last_look_) {
+    ++k;
+    first = first_event(looks_[k - 1], looks_[k]);
+  }
 
   // Semantics 4: what is as good as simultaneous with the step's beginning or with `stop` is so.
   if (first - t0 <= simultaneous(t0)) first = t0;
@@ -229,7 +248,7 @@ void Simulation::search_step(double stop) {
     now_.step.t1 = first;
     measure(first, now_.x, now_.look);
   }
-  fold_in_simultaneous(looks_[std::min(k, looks_.size() - 1) - 1]);
+  fold_in_simultaneous(looks_[k - 1]);
 }
 
 // The first instant between two looks at which indicators leave their domain, which become those

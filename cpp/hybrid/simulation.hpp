@@ -111,7 +111,8 @@ class Simulation {
  private:
   void advance_front();
   void search_step(double stop);
-  void look_inside_step();
+  void look_at_step();
+  void prepare(Look& look) const;
   double first_event(const Look& a, const Look& b);
   std::optional<Sample> dip(int indicator, const Sample& a, const Sample& b, double doubt,
                             int searches);
@@ -120,6 +121,7 @@ class Simulation {
   void restart(double size);
   void measure(double t, const std::vector<double>& x, Look& look);
   double indicator_inside(int indicator, double t);
+  void check_indicators(const std::vector<double>& z) const;
   void check_indicator(int indicator, double z) const;
 
   System& system_;
@@ -131,7 +133,8 @@ class Simulation {
   std::vector<Event> events_;
   std::vector<Change> changes_;
   std::vector<double> x0_;     // at the beginning of the step
-  std::vector<Look> looks_;    // at the step, from its beginning to its end
+  std::vector<Look> looks_;    // at the step, from its beginning to its end, the last
+  std::size_t last_look_ = 0;  // of them
   std::vector<double> doubt_;  // about each indicator between two of them
   std::vector<double> bound_, scratch_x_, scratch_z_, scratch_derivatives_, dip_x_;
   Look dip_look_;

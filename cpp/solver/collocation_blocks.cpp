@@ -32,6 +32,8 @@ void CollocationBlocks::refresh() {
       auto& propagator = known_[&present];
       if (!propagator) propagator = propagator_of(present);
       block.propagator = propagator;
+      block.watched.clear();
+      for (const int place : present.watched) block.watched.push_back(present.states[place]);
     }
     n_rungs_ = std::max(n_rungs_, block.propagator->n_rungs());
   }

@@ -17,6 +17,7 @@ class CollocationBlocks {
   struct Block {
     const hybrid::LinearBlock* equations = nullptr;
     std::shared_ptr<const Propagator> propagator;
+    std::vector<int> watched;  // states among those of the system
     int first_constant = 0, first_forcing = 0, first_remainder = 0;
   };
 

@@ -15,10 +15,10 @@ namespace {
 // The first step of a run, if nothing is known: 1 ms.
 constexpr int first_rung = 3;
 // Sweeps end when what they may still change is less than this part of the tolerance.
-constexpr double settled_enough = 0.3;
+constexpr double settled_enough = 0.5;
 constexpr int most_sweeps = 12;
 // By how much a first sweep is believed to be worse than a second; after it it is known.
-constexpr double first_contraction = 0.1;
+constexpr double first_contraction = 0.05;
 // An error that even half as long a step would not mend, by far.
 constexpr double hopeless = 100.0;
 // Intervals twice as long make the error 2^5 times as large; some of it is left as a reserve.
@@ -144,6 +144,7 @@ void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1
   while (n_looks_ < input_degree && begin_ + (n_looks_ + 1) * interval_ < step.t1 - tiny) {
     ++n_looks_;
   }
+  if (end <= stop + tiny) n_looks_ = input_degree;
   t_ = step.t1;
   std::copy_n(x1, x_.size(), x_.begin());
 }
@@ -257,7 +258,7 @@ void ExponentialCollocation::prepare_states() {
 void ExponentialCollocation::find_states() {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const CollocationBlocks::Block& block = blocks_[b];
-    const auto& [states, watched_states, L, B, n_constants, n_forcing, n_r] = *block.equations;
+    const int n_r = block.equations->n_remainder;
     auto& [coefficients, settled, watched, rates] = of_block_[b];
     const int first = block.propagator->columns() - input_degree * n_r;
     double* coefficient = &coefficients[first];
@@ -265,14 +266,13 @@ void ExponentialCollocation::find_states() {
       const double* remainder = inputs_at(node) + block.first_remainder;
       for (int i = 0; i < n_r; ++i) *coefficient++ = remainder[i];
     }
-    watched = settled;
     matrices_[b]->watched.add_product(first, input_degree * n_r, &coefficients[first],
-                                      watched.data());
+                                      settled.data(), watched.data());
     const double* value = watched.data();
-    const std::size_t padding = block.propagator->padded_watched() - watched_states.size();
+    const std::size_t padding = block.propagator->padded_watched() - block.watched.size();
     for (int node = 1; node < n_nodes; ++node, value += padding) {
       double* x = x_at_node_[node].data();
-      for (const int place : watched_states) x[states[place]] = *value++;
+      for (const int state : block.watched) x[state] = *value++;
     }
   }
 }
@@ -321,11 +321,10 @@ void ExponentialCollocation::find_rates() {
 
 double ExponentialCollocation::look(int k, double* z, double* slope) {
   const int node = k + 1, n = blocks_.n_inputs();
-  const double t = begin_ + node * interval_;
+  const double t = node == input_degree ? t_ : begin_ + node * interval_;
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const hybrid::LinearBlock& block = *blocks_[b].equations;
     const double* rate = &of_block_[b].rates[k * blocks_[b].propagator->padded_watched()];
-    for (const int place : block.watched) scratch_rates_[block.states[place]] = *rate++;
+    for (const int state : blocks_[b].watched) scratch_rates_[state] = *rate++;
   }
   std::ranges::fill(scratch_inputs_, 0.0);
   for (int l = 0; l < n_nodes; ++l) {
