@@ -48,7 +48,7 @@ double default_tolerance(Method method) {
     case Method::bdf:
       return 1e-10;
     default:
-      return 1e-6;
+      return 3e-7;
   }
 }
 

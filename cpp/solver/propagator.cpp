@@ -16,7 +16,7 @@ namespace {
 using Eigen::MatrixXd;
 
 // Taylor's series of exp(z) to z^11 has all digits for |z| up to this.
-constexpr double brief_enough = 0.15;
+constexpr double brief_enough = 0.2;
 
 // i!
 double factorial(int i) {

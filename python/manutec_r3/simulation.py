@@ -494,7 +494,7 @@ def _method(robot: Robot, method: Method | None) -> Method:
     """Return the method asked for, or the robot's own."""
     is_stiff = robot.stiction != "exact"
     if method is None:
-        return "bdf" if is_stiff else "erk"
+        return "bdf" if is_stiff else "exponential"
     if method not in get_args(Method):
         names = ", ".join(map(repr, get_args(Method)))
         raise ValueError(f"method: expected one of {names}, got {method!r}")
