@@ -59,7 +59,7 @@ void CollocationBlocks::derivatives(const double* x, const double* inputs, doubl
   std::array<double, most_columns> coefficients;
   for (const Block& block : blocks_) {
     gather(block, x, inputs, 1, coefficients.data());
-    std::array<double, most_states> of_block{};
+    BlockState of_block{};
     block.propagator->derivatives(coefficients.data(), of_block.data());
     scatter(block, of_block.data(), dx);
   }

@@ -21,7 +21,7 @@ void CollocationStep::evaluate(const hybrid::Step& step, double t, double* x) {
 
   const double* terms = terms_.data();
   for (const CollocationBlocks::Block& block : blocks_) {
-    std::array<double, most_states> of_block;
+    BlockState of_block;
     block.propagator->sum(terms, after - base_, of_block.data());
     blocks_.scatter(block, of_block.data(), x);
     terms += Propagator::n_terms * block.propagator->padded_states();
@@ -52,7 +52,7 @@ void CollocationStep::expand(const hybrid::Step& step, double after) {
       find_derivatives_of_inputs(base_, interval_);
       for (const CollocationBlocks::Block& block : blocks_) {
         blocks_.gather(block, x_.data(), derivatives_.data(), n_nodes, coefficients.data());
-        std::array<double, most_states> advanced{};
+        BlockState advanced{};
         block.propagator->advance(rung, coefficients.data(), advanced.data());
         blocks_.scatter(block, advanced.data(), x_.data());
       }

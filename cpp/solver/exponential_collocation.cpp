@@ -134,7 +134,7 @@ void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1
     inside_.evaluate(step, stop, x1);
   } else {
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
-      std::array<double, most_states> ended{};
+      BlockState ended{};
       matrices_[b]->end.add_product(of_block_[b].coefficients.data(), ended.data());
       blocks_.scatter(blocks_[b], ended.data(), x1);
     }
@@ -199,7 +199,7 @@ void ExponentialCollocation::set_sensitivities() {
     const CollocationBlocks::Block& block = blocks_[b];
     const std::vector<int>& states = block.equations->states;
     const int n = static_cast<int>(states.size());
-    std::array<double, most_states> per_tolerance;
+    BlockState per_tolerance;
     for (int k = 0; k < n; ++k) {
       per_tolerance[k] = 1.0 / (tolerance_ * (nominals[states[k]] + std::abs(x_[states[k]])));
     }

@@ -47,7 +47,7 @@ double largest_eigenvalue(const MatrixXd& absolute) {
 MatrixXd product(const MatrixXd& a, const MatrixXd& b) {
   const PacketMatrix packed(a);
   MatrixXd result = MatrixXd::Zero(a.rows(), b.cols());
-  std::array<double, most_states> column;
+  BlockState column;
   for (int c = 0; c < b.cols(); ++c) {
     column.fill(0.0);
     packed.add_product(&b(0, c), column.data());

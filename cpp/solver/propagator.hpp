@@ -31,6 +31,9 @@ inline constexpr int n_nodes = input_degree + 1;
 // States, and columns, that a block may have.
 inline constexpr int most_states = 16;
 inline constexpr int most_columns = 48;
+// The states of a block, with room for all rows that a product may take at once.
+using BlockState = std::array<double, 8 * packet_size>;
+static_assert(most_states <= 8 * packet_size);
 
 // Coefficients of Lagrange's polynomials for the nodes 0, 1, .., 4: row l, power q.
 const Eigen::Matrix<double, n_nodes, n_nodes>& lagrange_coefficients();
