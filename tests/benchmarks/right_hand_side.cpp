@@ -52,8 +52,8 @@ class Numbers {
 
 struct Case {
   std::string name;
-  // Evaluates number k and gives something of it, so that no work is left out.
-  std::function<double(int)> evaluate;
+  // Evaluates so many times and gives the sum of some results, so that no work is left out.
+  std::function<double(int)> run;
 };
 
 // --- the right-hand side of a model --------------------------------------------------------------
@@ -79,9 +79,13 @@ Case right_hand_side(const std::string& name, robot::Model model,
   hybrid::Mode mode = system->mode();
   for (const int axis : sticking) mode.branches[robot::friction * n + axis - 1] = 0;
   system->set_mode(mode);
-  return {name, [system, states, dx = std::vector<double>(robot->n_states())](int k) mutable {
-            system->derivatives(0.3, states[k % n_states_seen].data(), dx.data());
-            return dx.back() + dx[k % dx.size()];
+  return {name, [system, states, dx = std::vector<double>(robot->n_states())](int count) mutable {
+            double sum = 0.0;
+            for (int k = 0; k < count; ++k) {
+              system->derivatives(0.3, states[k % n_states_seen].data(), dx.data());
+              sum += dx.front() + dx.back();
+            }
+            return sum;
           }};
 }
 
@@ -101,11 +105,13 @@ Case forward_dynamics(const std::string& name, robot::Model model) {
     for (double& torque : pose.tau) torque = 500.0 * numbers.next();
   }
   const robot::Robot robot(model, robot::default_load(model));
-  return {name, [poses, mechanism = std::get<arm::Mechanism<N>>(robot.arm())](int k) {
-            const Pose& pose = poses[k % n_states_seen];
-            const arm::Vector<N> qdd =
-                arm::forward_dynamics<N>(mechanism, pose.q, pose.qd, pose.tau);
-            return qdd[k % N];
+  return {name, [poses, mechanism = std::get<arm::Mechanism<N>>(robot.arm())](int count) {
+            double sum = 0.0;
+            for (int k = 0; k < count; ++k) {
+              const auto& [q, qd, tau] = poses[k % n_states_seen];
+              sum += arm::forward_dynamics<N>(mechanism, q, qd, tau)[0];
+            }
+            return sum;
           }};
 }
 
@@ -126,9 +132,7 @@ std::vector<Case> cases() {
 
 // Refuses results that are no numbers: nothing would have been measured.
 void run(Case& measured, int count) {
-  double sum = 0.0;
-  for (int k = 0; k < count; ++k) sum += measured.evaluate(k);
-  if (std::isfinite(sum)) return;
+  if (std::isfinite(measured.run(count))) return;
   std::fprintf(stderr, "%s: not finite\n", measured.name.c_str());
   std::exit(EXIT_FAILURE);
 }
