@@ -1,8 +1,13 @@
 // Composite bodies: outwards the motion of each arm at qdd = 0; on the way back the arms beyond
 // each joint as one rigid body, and what its acceleration takes (spec 6).
+//
+// Joint j is where two frames meet: its axis has the same components in the directions of arm j and
+// of arm j-1. What passes a joint is therefore turned first, and then looked at: about the origin
+// of arm j, in the directions of arm j-1.
 #include "arm/composite.hpp"
 
 #include "arm/planar.hpp"
+#include "arm/sines_and_cosines.hpp"
 #include "arm/solve.hpp"
 
 namespace manutec_r3::arm {
@@ -29,6 +34,15 @@ Wrench wrench(const Moments& arm, const Triple& a, const Gradient& K) {
           m * a + h.x * K.x + h.y * K.y + h.z * K.z};
 }
 
+// The same for an arm that is symmetrical to its x-z plane, without what is zero.
+Wrench wrench_of_symmetrical(const Moments& arm, const Triple& a, const Gradient& K) {
+  const auto& [m, h, J] = arm;
+  return {{J.yy * K.y.z - J.zz * K.z.y - J.xz * K.x.y - h.z * a.y,
+           J.zz * K.z.x - J.xx * K.x.z + J.xz * (K.x.x - K.z.z) + h.z * a.x - h.x * a.z,
+           J.xx * K.x.y - J.yy * K.y.x + J.xz * K.z.y + h.x * a.y},
+          m * a + h.x * K.x + h.z * K.z};
+}
+
 // The same for unit acceleration about an axis through the origin, from rest and without gravity.
 template <Axis axis>
 Wrench unit_acceleration(const Moments& body) {
@@ -53,37 +67,69 @@ struct Recursion {
   const Vector<N>& qd;
   EquationsOfMotion<N>& equations;
 
-  // Gravity acts like a base that is accelerated upwards, in arm 1 as in the world.
   // Flattened into one function: the recursion is fast if its numbers stay in registers.
   [[gnu::flatten]] void run() {
-    arm_and_beyond<0>({{0, 0, qd[0]}, {0, 0, 0}, {0, 0, mechanism.gravity()}});
+    // Arm 1 turns about the vertical, and only torques about the vertical matter to its joint:
+    // neither its own motion at constant rate nor its weight takes one.
+    Composite composite = {mechanism.arm(0), {}};
+    if constexpr (N > 1) add<1>(arm_and_beyond<1>(motion_of_arm_2()), {0, 0, qd[0]}, composite);
+    set_equation_of_joint<0>(composite);
   }
 
-  // Arm j, which moves thus, and those beyond it, in the frame of arm j. Sets their joints' bias,
-  // and the columns of M.
+  // Arm j, which moves thus, and those beyond it, about the origin of arm j, in the directions of
+  // arm j-1. Sets the bias of their joints, and the columns of M.
   template <int j>
   Composite arm_and_beyond(const ArmMotion& motion) {
     const Moments& arm = mechanism.arm(j);
     const Gradient K = gradient(motion.w, motion.wd);
-    Composite composite = {arm, wrench(arm, motion.a, K)};
-
+    Composite composite = {{}, wrench_of<j>(arm, motion.a, K)};
     if constexpr (constexpr int next = j + 1; next < N) {
-      const Composite outer = arm_and_beyond<next>(motion_of<next>(motion, K));
-      const Triple& offset = mechanism.offset(next);
-      composite.moments += seen_from_inner_arm<next, layout>(turns[next], offset, outer.moments);
-      composite.bias += seen_from_inner_arm<next, layout>(turns[next], offset, outer.bias);
-
-      // The rotor of the next joint spins in this arm with p qd.
-      const double p_rJ = mechanism.rotor(next).p_rJ;
-      composite.bias.torque += p_rJ * qd[next] * cross_rotor_axis<next>(motion.w);
-      equations.bias[next] += p_rJ * along_rotor_axis<next>(motion.wd);
+      const Composite beyond = arm_and_beyond<next>(motion_of<next>(motion, K));
+      composite.moments = arm;
+      add<next>(beyond, motion.w, composite);
+      equations.bias[next] += mechanism.rotor(next).p_rJ * along_rotor_axis<next>(motion.wd);
+    } else {
+      composite.moments = arm;
     }
-
-    constexpr Axis an = joint_axes[j];
-    equations.bias[j] = along<an>(composite.bias.torque);
-    set_column<j, j>(unit_acceleration<an>(composite.moments));
-    equations.M(j, j) += mechanism.rotor(j).p2_rJ;
+    composite = {rotated<j>(turns[j], composite.moments), rotated<j>(turns[j], composite.bias)};
+    set_equation_of_joint<j>(composite);
     return composite;
+  }
+
+  // Adds to arm j-1 what is beyond joint j.
+  template <int j>
+  void add(Composite beyond, const Triple& w, Composite& composite) const {
+    shift<j, layout>(mechanism.offset(j), beyond.moments);
+    shift<j, layout>(mechanism.offset(j), beyond.bias);
+    composite.moments += beyond.moments;
+    composite.bias += beyond.bias;
+    // The rotor of joint j spins in arm j-1 with p qd.
+    composite.bias.torque += mechanism.rotor(j).p_rJ * qd[j] * cross_rotor_axis<j>(w);
+  }
+
+  // What an arm's own motion takes. The arms of the report are symmetrical, but the load, which the
+  // last one contains, may be anywhere.
+  template <int j>
+  static Wrench wrench_of(const Moments& arm, const Triple& a, const Gradient& K) {
+    if constexpr (layout == Layout::report && j < N - 1) {
+      return wrench_of_symmetrical(arm, a, K);
+    } else {
+      return wrench(arm, a, K);
+    }
+  }
+
+  // Arm 2 at qdd = 0, carried by arm 1, which turns about the vertical. Gravity acts like a base
+  // that is accelerated upwards.
+  ArmMotion motion_of_arm_2() const {
+    const auto [c, s] = turns[1];
+    const double w = qd[0], g = mechanism.gravity();
+    ArmMotion arm_2 = {
+        {qd[1], s * w, c * w}, {0, c * w * qd[1], -s * w * qd[1]}, {0, s * g, c * g}};
+    if constexpr (layout == Layout::anything) {
+      const Triple& r = mechanism.offset(1);
+      arm_2.a += rotated<1>(turns[1].inverse(), Triple{-w * w * r.x, -w * w * r.y, 0});
+    }
+    return arm_2;
   }
 
   // Arm j at qdd = 0, carried by arm j-1.
@@ -137,26 +183,48 @@ struct Recursion {
     }
   }
 
-  // The wrench that unit acceleration of joint j takes, as the joints i = j, j-1, .., 0 feel it.
-  template <int i, int j>
-  void set_column(const Wrench& wrench) {
-    equations.M(i, j) = equations.M(j, i) = along<joint_axes[i]>(wrench.torque);
-    if constexpr (i > 0) {
-      Wrench inner = seen_from_inner_arm<i, layout>(turns[i], mechanism.offset(i), wrench);
-      if constexpr (i == j) add_along_rotor_axis<j>(mechanism.rotor(j).p_rJ, inner.torque);
-      set_column<i - 1, j>(inner);
+  // From the arms beyond joint j, about the origin of arm j.
+  template <int j>
+  void set_equation_of_joint(const Composite& beyond) {
+    constexpr Axis an = joint_axes[j];
+    equations.bias[j] = along<an>(beyond.bias.torque);
+    Wrench wrench = unit_acceleration<an>(beyond.moments);
+    equations.M(j, j) = along<an>(wrench.torque) + mechanism.rotor(j).p2_rJ;
+    if constexpr (j > 0) {
+      add_along_rotor_axis<j>(mechanism.rotor(j).p_rJ, wrench.torque);
+      set_column<j, j>(wrench);
     }
   }
+
+  // The wrench that unit acceleration of joint j takes, about the origin of arm i, as the joints
+  // i-1, .., 0 feel it.
+  template <int i, int j>
+  void set_column(Wrench wrench) {
+    constexpr int inner = i - 1;
+    shift<i, layout>(mechanism.offset(i), wrench);
+    if constexpr (inner > 0) wrench = rotated<inner>(turns[inner], wrench);
+    equations.M(inner, j) = along<joint_axes[inner]>(wrench.torque);
+    if constexpr (inner > 0) set_column<inner, j>(wrench);
+  }
 };
+
+// Of all joints but the first, whose angle has no effect.
+template <int N>
+std::array<Turn, N> turns_of(const Vector<N>& q) {
+  std::array<double, N - 1> angles;
+  for (int j = 1; j < N; ++j) angles[j - 1] = q[j];
+  const auto [sine, cosine] = sines_and_cosines<N - 1>(angles);
+  std::array<Turn, N> turns;
+  for (int j = 1; j < N; ++j) turns[j] = {cosine[j - 1], sine[j - 1]};
+  return turns;
+}
 
 }  // namespace
 
 template <int N>
 EquationsOfMotion<N> equations_of_motion(const Mechanism<N>& mechanism, const Vector<N>& q,
                                          const Vector<N>& qd) {
-  std::array<Turn, N> turns;
-  for (int j = 1; j < N; ++j) turns[j] = turn(q[j]);
-
+  const std::array<Turn, N> turns = turns_of<N>(q);
   EquationsOfMotion<N> equations;
   if (mechanism.has_layout_of_report()) {
     Recursion<N, Layout::report>{mechanism, turns, qd, equations}.run();
@@ -169,10 +237,8 @@ EquationsOfMotion<N> equations_of_motion(const Mechanism<N>& mechanism, const Ve
 template <int N>
 Vector<N> forward_dynamics(const Mechanism<N>& mechanism, const Vector<N>& q, const Vector<N>& qd,
                            const Vector<N>& tau) {
-  EquationsOfMotion<N> equations = equations_of_motion(mechanism, q, qd);
-  Vector<N> qdd = tau - equations.bias;
-  solve_in_place(equations.M, qdd);
-  return qdd;
+  const EquationsOfMotion<N> equations = equations_of_motion(mechanism, q, qd);
+  return solution<N>(equations.M, tau - equations.bias);
 }
 
 template EquationsOfMotion<1> equations_of_motion(const Mechanism<1>&, const Vector<1>&,

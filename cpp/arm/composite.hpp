@@ -6,13 +6,14 @@
 #pragma once
 
 #include "arm/mechanism.hpp"
+#include "arm/symmetric.hpp"
 #include "arm/vector.hpp"
 
 namespace manutec_r3::arm {
 
 template <int N>
 struct EquationsOfMotion {
-  Matrix<N> M;     // symmetric and positive definite, both triangles are set [kg m^2]
+  Symmetric<N> M;  // positive definite [kg m^2]
   Vector<N> bias;  // centrifugal, Coriolis, gyroscopic and gravity torques [N m]
 };
 
@@ -24,7 +25,7 @@ EquationsOfMotion<N> equations_of_motion(const Mechanism<N>& mechanism, const Ve
 
 template <int N>
 Matrix<N> mass_matrix(const Mechanism<N>& mechanism, const Vector<N>& q) {
-  return equations_of_motion<N>(mechanism, q, Vector<N>::Zero()).M;
+  return equations_of_motion<N>(mechanism, q, Vector<N>::Zero()).M.full();
 }
 
 // Joint torques that hold the arms at rest [N m].

@@ -42,6 +42,10 @@ Mechanism<N>::Mechanism(const Table3& table, const std::array<Moments, N>& arms,
                       rn == Axis::z ? 1.0 : 0.0};
     has_layout_of_report_ = has_layout_of_report_ && x == 0 && y == 0 &&
                             (z == 0 || is_displaced_in_report(j)) && rn == rotor_axes_of_report[j];
+    // Whatever is in arm 1 turns about the vertical, and the last arm contains the load.
+    const auto& [m, h, J] = arms[j];
+    const bool is_symmetrical = h.y == 0 && J.xy == 0 && J.yz == 0;
+    has_layout_of_report_ = has_layout_of_report_ && (is_symmetrical || j == 0 || j == N - 1);
     rotors_[j] = rotor_terms(j, table.rotor_inertia[j], gear_ratio[j], coupling[j]);
   }
 }

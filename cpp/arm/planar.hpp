@@ -5,8 +5,6 @@
 // how rotors lie, if the layout is the report's.
 #pragma once
 
-#include <cmath>
-
 #include "arm/moments.hpp"
 #include "arm/parameters.hpp"
 #include "arm/triple.hpp"
@@ -19,8 +17,6 @@ struct Turn {
 
   Turn inverse() const { return {c, -s}; }
 };
-
-inline Turn turn(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
 enum class Layout {
   report,    // joints 3 and 5 are displaced, along z; rotors as in `rotor_axes_of_report`
@@ -60,7 +56,7 @@ inline void rotate(const Turn& turn, double& uu, double& vv, double& uv) {
   uv = turn.c * t - uv;
 }
 
-// From arm j to arm j-1, about the same point.
+// From the directions of arm j to those of arm j-1, about the same point.
 template <int j>
 Triple rotated(const Turn& turn, Triple v) {
   if constexpr (joint_axes[j] == Axis::x) {
@@ -69,6 +65,25 @@ Triple rotated(const Turn& turn, Triple v) {
     rotate(turn, v.x, v.y);
   }
   return v;
+}
+
+template <int j>
+Wrench rotated(const Turn& turn, const Wrench& wrench) {
+  return {rotated<j>(turn, wrench.torque), rotated<j>(turn, wrench.force)};
+}
+
+template <int j>
+Moments rotated(const Turn& turn, Moments body) {
+  body.h = rotated<j>(turn, body.h);
+  SymmetricTensor& J = body.J;
+  if constexpr (joint_axes[j] == Axis::x) {
+    rotate(turn, J.xy, J.xz);
+    rotate(turn, J.yy, J.zz, J.yz);
+  } else {
+    rotate(turn, J.xz, J.yz);
+    rotate(turn, J.xx, J.yy, J.xy);
+  }
+  return body;
 }
 
 // What is known about the origin of arm j becomes known about the origin of arm j-1, r below it:
@@ -105,29 +120,6 @@ void shift(const Triple& r, Wrench& wrench) {
   } else {
     wrench.torque += cross(r, wrench.force);
   }
-}
-
-template <int j, Layout layout>
-Moments seen_from_inner_arm(const Turn& turn, const Triple& offset, const Moments& outer) {
-  Moments inner = outer;
-  inner.h = rotated<j>(turn, outer.h);
-  SymmetricTensor& J = inner.J;
-  if constexpr (joint_axes[j] == Axis::x) {
-    rotate(turn, J.xy, J.xz);
-    rotate(turn, J.yy, J.zz, J.yz);
-  } else {
-    rotate(turn, J.xz, J.yz);
-    rotate(turn, J.xx, J.yy, J.xy);
-  }
-  shift<j, layout>(offset, inner);
-  return inner;
-}
-
-template <int j, Layout layout>
-Wrench seen_from_inner_arm(const Turn& turn, const Triple& offset, const Wrench& outer) {
-  Wrench inner = {rotated<j>(turn, outer.torque), rotated<j>(turn, outer.force)};
-  shift<j, layout>(offset, inner);
-  return inner;
 }
 
 }  // namespace manutec_r3::arm

@@ -1,31 +1,45 @@
 // M x = b for a symmetric positive definite M of fixed size, by M = U D U^T (spec 6).
 //
-// Eigen's decompositions are made for matrices of any size, which costs more than the six
-// unknowns themselves.
+// Decompositions made for matrices of any size cost more than the six unknowns themselves. So does
+// a loop, which the compiler does for several entries at a time, though columns are too short for
+// it: six times the instructions. Here every step is written out when the program is compiled.
 #pragma once
 
+#include <utility>
+
+#include "arm/symmetric.hpp"
 #include "arm/vector.hpp"
 
 namespace manutec_r3::arm {
 
-// `b` becomes x, and M its factors. Reads and writes the upper triangle of M only, from the last
-// axis to the first. No pivots are exchanged or tested: a mass matrix is positive definite.
+// Calls body(i) for i = 0, .., n - 1, without a loop: i is known to the compiler.
+template <int n, class Body>
+constexpr void for_each_index(const Body& body) {
+  [&]<int... i>(std::integer_sequence<int, i...>) {
+    (body(std::integral_constant<int, i>{}), ...);
+  }(std::make_integer_sequence<int, n>{});
+}
+
+// x; from the last axis to the first. No pivots are exchanged or tested: a mass matrix is positive
+// definite.
 template <int N>
-void solve_in_place(Matrix<N>& M, Vector<N>& b) {
+[[gnu::flatten]] Vector<N> solution(Symmetric<N> M, Vector<N> b) {
   // Above the diagonal M keeps U D, on the diagonal D.
-  Vector<N> inverse_D;
-  for (int k = N - 1; k >= 0; --k) {
-    inverse_D[k] = 1 / M(k, k);
-    for (int i = 0; i < k; ++i) {
+  std::array<double, N> inverse_D;
+  for_each_index<N>([&](auto steps) {
+    constexpr int k = N - 1 - steps;
+    inverse_D[k] = 1.0 / M(k, k);
+    for_each_index<k>([&](auto i) {
       const double U_ik = M(i, k) * inverse_D[k];
-      for (int j = 0; j <= i; ++j) M(j, i) -= U_ik * M(j, k);
+      for_each_index<i + 1>([&](auto j) { M(j, i) -= U_ik * M(j, k); });
       b[i] -= U_ik * b[k];
-    }
-  }
-  for (int k = 0; k < N; ++k) {
-    for (int i = 0; i < k; ++i) b[k] -= M(i, k) * b[i];
+    });
+  });
+  for_each_index<N>([&](auto k) {
+    for_each_index<k>([&](auto i) { b[k] -= M(i, k) * b[i]; });
     b[k] *= inverse_D[k];
-  }
+  });
+  return b;
 }
 
 }  // namespace manutec_r3::arm

@@ -173,7 +173,7 @@ class Equations {
   // that the arms carry, arM^T aq'' + rJ (rq'' + drift) = rF - tau - rM. Gyroscopic torques and a
   // force on the tip are part of the bias.
   struct Dynamics {
-    arm::Matrix<N> M;  // aaM
+    arm::Symmetric<N> M;  // aaM
     arm::Vector<N> bias;
     Eigen::Matrix<double, N, E> arM;  // this and drift: only where rotors are carried
     arm::Vector<E> drift;             // <rn_j, w'_{j-1}> at aq'' = 0
@@ -210,25 +210,23 @@ class Equations {
   // (spec 5.3).
   Accelerations accelerations(const Dynamics& dynamics, const Torques& torques) const {
     const PerAxis<E> drive = (torques.motor - torques.gear - torques.friction).template head<E>();
-    arm::Matrix<N> M = dynamics.M;
+    arm::Symmetric<N> M = dynamics.M;
     arm::Vector<N> right = (p * torques.gear).matrix() - dynamics.bias;
     if (any_carried_) {
       // Rotors that turn are eliminated, rq'' = drive / rJ - drift - arM^T aq'' / rJ.
       for (int j = 0; j < E; ++j) {
         if (!carried_[j] || sticking[j]) continue;
         const arm::Vector<N> arM = dynamics.arM.col(j);
-        M -= arM * arM.transpose() / rJ[j];
+        M.subtract_square(arM, rJ[j]);
         right -= arM * (drive[j] / rJ[j] - dynamics.drift[j]);
       }
     }
     for (int i = n_elastic(); i < N; ++i) {
       if (!sticking[i]) continue;
-      M.row(i).setZero();
-      M.col(i).setZero();
-      M(i, i) = 1.0;
+      M.decouple(i);
       right[i] = 0.0;
     }
-    arm::solve_in_place(M, right);
+    right = arm::solution(M, right);
     for (int i = n_elastic(); i < N; ++i) {
       if (sticking[i]) right[i] = 0.0;
     }
@@ -254,7 +252,8 @@ class Equations {
              rJ[axis] * dynamics.drift[axis];
     }
     // The joint takes from the gear what the arms take from the joint.
-    double aF = dynamics.M.row(axis).dot(a.joint) + dynamics.bias[axis];
+    double aF = dynamics.bias[axis];
+    for (int j = 0; j < N; ++j) aF += dynamics.M(axis, j) * a.joint[j];
     if (any_carried_) aF += dynamics.arM.row(axis).dot(a.rotor);
     return torques.motor[axis] - aF / p[axis];
   }

@@ -148,7 +148,7 @@ class FrictionDecision {
     const int n_rotors = equations_.n_elastic();
     Matrix M = Matrix::Zero(N + n_rotors, N + n_rotors);
     Vector force(N + n_rotors);
-    M.topLeftCorner(N, N) = dynamics.M;
+    M.template topLeftCorner<N, N>() = dynamics.M.full();
     force.head(N) = (equations_.p * torques.gear).matrix() - dynamics.bias;
     for (int j = 0; j < n_rotors; ++j) {
       M(N + j, N + j) = equations_.rJ[j];
