@@ -8,33 +8,41 @@ namespace manutec_r3::solver {
 
 RungeKuttaStep::RungeKuttaStep(RightHandSide& f) : f_(f) {
   ARKodeButcherTable table = ARKodeButcherTable_LoadERK(ARKODE_VERNER_10_6_7);
-  const int stages = table->stages;
-  for (int i = 0; i < stages; ++i) a_.insert(a_.end(), table->A[i], table->A[i] + stages);
-  b_.assign(table->b, table->b + stages);
+  b_ = row(table->b, table->stages);
+  const int stages = b_.back().stage + 1;
+  for (int i = 0; i < stages; ++i) a_.push_back(row(table->A[i], i));
   c_.assign(table->c, table->c + stages);
   ARKodeButcherTable_Free(table);
   k_.resize(stages * f.system().n_states());
+  terms_.reserve(stages + 1);
+}
+
+RungeKuttaStep::Row RungeKuttaStep::row(const double* weights, int count) {
+  Row row;
+  for (int j = 0; j < count; ++j) {
+    if (weights[j] != 0.0) row.push_back({weights[j], j});
+  }
+  return row;
 }
 
 void RungeKuttaStep::evaluate(const hybrid::Step& step, double t, double* x) {
-  const int n = static_cast<int>(step.dense.size());
-  const int stages = static_cast<int>(b_.size());
+  const std::size_t n = step.dense.size();
   const double h = t - step.t0;
-  const auto sum = [&](const double* weights, int count) {
+  if (h == 0.0) {
     std::ranges::copy(step.dense, x);
-    for (int j = 0; j < count; ++j) {
-      if (weights[j] == 0.0) continue;
-      const double weight = h * weights[j];
-      const double* k = &k_[j * n];
-      for (int s = 0; s < n; ++s) x[s] += weight * k[s];
-    }
+    return;
+  }
+  // x = x0 + h sum_j weight_j k_j
+  const auto move = [&](const Row& row) {
+    terms_.assign(1, {1.0, step.dense.data()});
+    for (const auto [weight, stage] : row) terms_.push_back({h * weight, &k_[stage * n]});
+    combine(terms_, static_cast<int>(n), x);
   };
-  if (h == 0.0) return sum(nullptr, 0);
-  for (int i = 0; i < stages; ++i) {
-    sum(&a_[i * stages], i);
+  for (std::size_t i = 0; i < a_.size(); ++i) {
+    move(a_[i]);
     f_.evaluate(step.t0 + c_[i] * h, x, &k_[i * n]);
   }
-  sum(b_.data(), stages);
+  move(b_);
 }
 
 }  // namespace manutec_r3::solver

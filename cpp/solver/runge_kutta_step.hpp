@@ -13,8 +13,9 @@
 
 namespace manutec_r3::solver {
 
-// Verner's "most robust" pair of order 7(6), ten stages. Among ARKODE's tables of order 5 to 8 it
-// reaches a given accuracy with the fewest evaluations: steps are limited by stability.
+// Verner's "most efficient" pair of order 7(6), ten stages, of which the last serves the estimate
+// of the error alone: here it is left out. Among ARKODE's tables of order 5 to 8 it reaches a given
+// accuracy with the fewest evaluations: steps are limited by stability.
 class RungeKuttaStep : public hybrid::DenseOutput {
  public:
   explicit RungeKuttaStep(RightHandSide& f);
@@ -23,9 +24,21 @@ class RungeKuttaStep : public hybrid::DenseOutput {
   void evaluate(const hybrid::Step& step, double t, double* x) override;
 
  private:
+  // The coefficients that are not zero, and the stages they belong to.
+  struct Weight {
+    double weight;
+    int stage;
+  };
+  using Row = std::vector<Weight>;
+
+  static Row row(const double* weights, int count);
+
   RightHandSide& f_;
-  std::vector<double> a_, b_, c_;  // a_ row by row
-  std::vector<double> k_;          // stage by stage
+  std::vector<Row> a_;
+  Row b_;
+  std::vector<double> c_;
+  std::vector<double> k_;  // stage by stage
+  std::vector<Term> terms_;
 };
 
 }  // namespace manutec_r3::solver

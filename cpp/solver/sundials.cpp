@@ -3,6 +3,7 @@
 #include <sundials/sundials_logger.h>
 
 #include <algorithm>
+#include <cstring>
 #include <new>
 #include <utility>
 
@@ -28,10 +29,6 @@ Context::Context() {
 
 Context::~Context() { SUNContext_Free(&context_); }
 
-Vector::Vector(int size, const Context& context) : vector_(N_VNew_Serial(size, context)) {
-  if (vector_ == nullptr) throw std::bad_alloc();
-}
-
 RightHandSide::RightHandSide(hybrid::System& system)
     : system_(system), kept_x_(system.n_states()), kept_derivatives_(system.n_states()) {}
 
@@ -47,7 +44,9 @@ int RightHandSide::call(sunrealtype t, N_Vector x, N_Vector derivatives, void* s
 }
 
 void RightHandSide::evaluate(double t, const double* x, double* derivatives) {
-  if (kept_ && t == kept_t_ && std::equal(kept_x_.begin(), kept_x_.end(), x)) {
+  // Bit by bit, which is faster than number by number.
+  if (kept_ && t == kept_t_ &&
+      std::memcmp(kept_x_.data(), x, kept_x_.size() * sizeof(double)) == 0) {
     std::copy(kept_derivatives_.begin(), kept_derivatives_.end(), derivatives);
     return;
   }

@@ -1,20 +1,17 @@
-// What every use of SUNDIALS here shares: a context that prints nothing, vectors that free
-// themselves, and a right-hand side that lets no exception pass through C.
+// What every use of SUNDIALS here shares: a context that prints nothing, and a right-hand side that
+// lets no exception pass through C.
 #pragma once
 
-#include <nvector/nvector_serial.h>
 #include <sundials/sundials_context.h>
 
 #include <exception>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include "hybrid/system.hpp"
+#include "solver/vector.hpp"
 
 namespace manutec_r3::solver {
-
-static_assert(std::is_same_v<sunrealtype, double>, "SUNDIALS must be built in double precision");
 
 // ARKODE and CVODE refuse distances near the roundoff of t; shorter steps than this are taken
 // without them [s].
@@ -35,20 +32,6 @@ class Context {
  private:
   SUNContext context_ = nullptr;
   std::string message_;
-};
-
-class Vector {
- public:
-  Vector(int size, const Context& context);
-  ~Vector() { N_VDestroy(vector_); }
-  Vector(const Vector&) = delete;
-  Vector& operator=(const Vector&) = delete;
-
-  operator N_Vector() const { return vector_; }
-  double* data() { return N_VGetArrayPointer(vector_); }
-
- private:
-  N_Vector vector_;
 };
 
 // The derivatives of a system as SUNDIALS calls them, counted. The latest derivatives that
