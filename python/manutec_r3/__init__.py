@@ -12,6 +12,7 @@ A `Robot` that follows a motion is simulated by `simulate`, or step by step by a
 All quantities are in SI units; axes are counted from 1.
 """
 
+from .build_info import BuildInfo, build_info
 from .check import Check, check
 from .compare import Comparison, CurveComparison, compare
 from .compare_events import EventComparison, compare_events
@@ -26,6 +27,7 @@ from .scenario import Scenario, scenarios
 from .simulation import Simulator, simulate
 
 __all__ = [
+    "BuildInfo",
     "Check",
     "Comparison",
     "CurveComparison",
@@ -49,6 +51,7 @@ __all__ = [
     "Spline",
     "Statistics",
     "Trapezoid",
+    "build_info",
     "check",
     "compare",
     "compare_events",

@@ -12,6 +12,13 @@ from numpy.typing import NDArray
 
 _Floats = NDArray[float64]
 
+# How this build was made.
+processor: str
+compiler: str
+compiler_flags: str
+eigen_version: str
+sundials_version: str
+
 signal_names: tuple[str, ...]
 axis_elements: tuple[str, ...]
 
