@@ -20,7 +20,9 @@ from .errors import SimulationError
 from .events import Event, Events
 from .inputs import Input
 from .limits import LimitExcess
+from .many import Results, simulate_many
 from .motion import FunctionMotion, Hold, Motion, Quintic, Sequence, Spline, Trapezoid
+from .records import EventRecord, FinalRecord, PeakRecord
 from .result import Result, Samples, Statistics
 from .robot import Load, Robot
 from .scenario import Scenario, scenarios
@@ -33,15 +35,19 @@ __all__ = [
     "CurveComparison",
     "Event",
     "EventComparison",
+    "EventRecord",
     "Events",
+    "FinalRecord",
     "FunctionMotion",
     "Hold",
     "Input",
     "LimitExcess",
     "Load",
     "Motion",
+    "PeakRecord",
     "Quintic",
     "Result",
+    "Results",
     "Robot",
     "Samples",
     "Scenario",
@@ -57,4 +63,5 @@ __all__ = [
     "compare_events",
     "scenarios",
     "simulate",
+    "simulate_many",
 ]
