@@ -37,5 +37,7 @@ void register_robot(py::module_& module);
 void register_arm(py::module_& module);
 void register_simulator(py::module_& module);
 void register_trajectory(py::module_& module);
+void register_many(py::module_& module);
+void register_build(py::module_& module);
 
 }  // namespace manutec_r3::bindings

@@ -15,13 +15,6 @@ namespace {
 
 using robot::Robot;
 
-robot::Start start_named(const std::string& name) {
-  if (name == "rotor") return robot::Start::rotor;
-  if (name == "arm") return robot::Start::arm;
-  throw std::invalid_argument("start: expected 'rotor', 'arm' or a state vector, got '" + name +
-                              "'");
-}
-
 // Groups of states as tuples (name, unit, nominal values, first, size).
 py::list state_groups(const Robot& robot) {
   py::list groups;
@@ -40,6 +33,13 @@ py::list indicator_groups(const Robot& robot) {
 }
 
 }  // namespace
+
+robot::Start start_named(const std::string& name) {
+  if (name == "rotor") return robot::Start::rotor;
+  if (name == "arm") return robot::Start::arm;
+  throw std::invalid_argument("start: expected 'rotor', 'arm' or a state vector, got '" + name +
+                              "'");
+}
 
 void register_robot(py::module_& module) {
   py::class_<arm::Load>(module, "Load")

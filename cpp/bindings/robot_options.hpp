@@ -3,6 +3,7 @@
 
 #include "bindings/bindings.hpp"
 #include "robot/options.hpp"
+#include "robot/start.hpp"
 #include "robot/tables.hpp"
 
 namespace manutec_r3::bindings {
@@ -10,6 +11,9 @@ namespace manutec_r3::bindings {
 // 1 to 4, or the name of a Modelica model. Throws std::invalid_argument.
 robot::Model model_named(const py::object& model);
 py::object as_python(robot::Model model);
+
+// 'rotor' or 'arm'. Throws std::invalid_argument.
+robot::Start start_named(const std::string& name);
 
 // All options of a robot; what is missing in a dictionary is the model's own.
 py::dict as_dict(const robot::Options& options, robot::Model model);

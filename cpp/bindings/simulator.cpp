@@ -1,4 +1,6 @@
 // A robot, a motion and an integrator in one object that Python steps.
+#include "bindings/simulator.hpp"
+
 #include <pybind11/native_enum.h>
 #include <pybind11/stl.h>
 
@@ -79,44 +81,15 @@ class Simulator {
     return values;
   }
 
-  py::dict branches() const {
-    py::dict branches;
-    for (int kind = 0; kind < robot::n_axis_elements; ++kind) {
-      py::array_t<std::int8_t> values(system_->n_axes());
-      for (int i = 0; i < system_->n_axes(); ++i) {
-        values.mutable_at(i) =
-            static_cast<std::int8_t>(system_->branch(static_cast<robot::ElementKind>(kind), i));
-      }
-      branches[py::str(std::string(robot::element_names[kind]))] = values;
-    }
-    return branches;
-  }
+  py::dict branches() const { return as_dict(branches_of(*system_)); }
 
   std::size_t n_events() const { return simulation_.events().size(); }
-  // Tuples (time, axis, element, before, after) from number `first` on.
+  // From number `first` on.
   py::list events(std::size_t first) const {
-    py::list events;
-    for (std::size_t k = first; k < simulation_.events().size(); ++k) {
-      const hybrid::Event& event = simulation_.events()[k];
-      events.append(py::make_tuple(event.time, event.element.axis,
-                                   std::string(robot::element_names[event.element.kind]),
-                                   event.before, event.after));
-    }
-    return events;
+    return as_list(std::span(simulation_.events()).subspan(first));
   }
 
-  py::dict statistics() const {
-    const hybrid::Statistics statistics = simulation_.statistics();
-    py::dict counts;
-    counts["evaluations"] = statistics.work.evaluations;
-    counts["steps"] = statistics.work.steps;
-    counts["rejected_steps"] = statistics.work.rejected_steps;
-    counts["events"] = statistics.events;
-    counts["restarts"] = statistics.restarts;
-    counts["samples"] = statistics.routine_events;
-    counts["sample_evaluations"] = statistics.routine_evaluations;
-    return counts;
-  }
+  py::dict statistics() const { return as_dict(simulation_.statistics()); }
 
   hybrid::Simulation::Snapshot save() const { return simulation_.save(); }
   void restore(const hybrid::Simulation::Snapshot& snapshot) { simulation_.restore(snapshot); }
@@ -136,6 +109,49 @@ class Simulator {
 };
 
 }  // namespace
+
+BranchesOfAxes branches_of(const robot::RobotSystem& system) {
+  BranchesOfAxes branches;
+  for (int kind = 0; kind < robot::n_axis_elements; ++kind) {
+    for (int i = 0; i < system.n_axes(); ++i) {
+      branches[kind].push_back(
+          static_cast<std::int8_t>(system.branch(static_cast<robot::ElementKind>(kind), i)));
+    }
+  }
+  return branches;
+}
+
+py::dict as_dict(const BranchesOfAxes& branches) {
+  py::dict dict;
+  for (int kind = 0; kind < robot::n_axis_elements; ++kind) {
+    const std::vector<std::int8_t>& of_axes = branches[kind];
+    dict[py::str(std::string(robot::element_names[kind]))] =
+        py::array_t<std::int8_t>(static_cast<py::ssize_t>(of_axes.size()), of_axes.data());
+  }
+  return dict;
+}
+
+py::list as_list(std::span<const hybrid::Event> events) {
+  py::list list;
+  for (const hybrid::Event& event : events) {
+    list.append(py::make_tuple(event.time, event.element.axis,
+                               std::string(robot::element_names[event.element.kind]), event.before,
+                               event.after));
+  }
+  return list;
+}
+
+py::dict as_dict(const hybrid::Statistics& statistics) {
+  py::dict counts;
+  counts["evaluations"] = statistics.work.evaluations;
+  counts["steps"] = statistics.work.steps;
+  counts["rejected_steps"] = statistics.work.rejected_steps;
+  counts["events"] = statistics.events;
+  counts["restarts"] = statistics.restarts;
+  counts["samples"] = statistics.routine_events;
+  counts["sample_evaluations"] = statistics.routine_evaluations;
+  return counts;
+}
 
 void register_simulator(py::module_& module) {
   py::register_exception<hybrid::SimulationFailure>(module, "SimulationFailure",

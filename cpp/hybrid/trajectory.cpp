@@ -1,6 +1,8 @@
 #include "hybrid/trajectory.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 namespace manutec_r3::hybrid {
 
@@ -43,6 +45,35 @@ Trajectory Trajectory::until(double t) const {
 std::size_t Trajectory::step_at(double t) const {
   const auto later = std::upper_bound(begin.begin(), begin.end(), t);
   return later == begin.begin() ? 0 : static_cast<std::size_t>(later - begin.begin()) - 1;
+}
+
+Trajectory::Instants Trajectory::instants(std::span<const double> event_times,
+                                          std::optional<std::span<const double>> times) const {
+  std::vector<std::pair<double, std::ptrdiff_t>> found;
+  // Before an event comes the end of a step, after it the beginning of the next. (What is found in
+  // a finished run may be an event inside a step.)
+  for (const double t : event_times) {
+    found.emplace_back(t, std::ranges::lower_bound(end, t) - end.begin());
+  }
+  std::vector<double> after = times ? std::vector(times->begin(), times->end()) : begin;
+  const bool ends_with_step = end.back() > begin.back();
+  if (!times && ends_with_step && !std::ranges::binary_search(event_times, end.back())) {
+    after.push_back(end.back());
+  }
+  std::ranges::copy_if(event_times, std::back_inserter(after),
+                       [this](double t) { return t < end.back(); });
+  std::ranges::sort(after);
+  const auto doubles = std::ranges::unique(after);
+  after.erase(doubles.begin(), doubles.end());
+  for (const double t : after) found.emplace_back(t, static_cast<std::ptrdiff_t>(step_at(t)));
+  std::ranges::sort(found);
+
+  Instants instants;
+  for (const auto& [t, step] : found) {
+    instants.time.push_back(t);
+    instants.step.push_back(step);
+  }
+  return instants;
 }
 
 }  // namespace manutec_r3::hybrid

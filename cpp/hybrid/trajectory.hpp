@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "hybrid/integrator.hpp"
@@ -28,6 +30,16 @@ struct Trajectory {
   Trajectory until(double t) const;
   // The step that t falls into, the later one at an instant that two steps share.
   std::size_t step_at(double t) const;
+
+  // Instants and the steps that they belong to, in the order of time.
+  struct Instants {
+    std::vector<double> time;
+    std::vector<std::ptrdiff_t> step;
+  };
+  // What is worth to be recorded of a run: `times`, or else the ends of all steps; and the instants
+  // of events, which increase, on both sides: in the step before and in the one after.
+  Instants instants(std::span<const double> event_times,
+                    std::optional<std::span<const double>> times) const;
 };
 
 }  // namespace manutec_r3::hybrid

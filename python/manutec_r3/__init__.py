@@ -12,6 +12,7 @@ A `Robot` that follows a motion is simulated by `simulate`, or step by step by a
 All quantities are in SI units; axes are counted from 1.
 """
 
+from .build_info import BuildInfo, build_info
 from .check import Check, check
 from .compare import Comparison, CurveComparison, compare
 from .compare_events import EventComparison, compare_events
@@ -19,27 +20,34 @@ from .errors import SimulationError
 from .events import Event, Events
 from .inputs import Input
 from .limits import LimitExcess
+from .many import Results, simulate_many
 from .motion import FunctionMotion, Hold, Motion, Quintic, Sequence, Spline, Trapezoid
+from .records import EventRecord, FinalRecord, PeakRecord
 from .result import Result, Samples, Statistics
 from .robot import Load, Robot
 from .scenario import Scenario, scenarios
 from .simulation import Simulator, simulate
 
 __all__ = [
+    "BuildInfo",
     "Check",
     "Comparison",
     "CurveComparison",
     "Event",
     "EventComparison",
+    "EventRecord",
     "Events",
+    "FinalRecord",
     "FunctionMotion",
     "Hold",
     "Input",
     "LimitExcess",
     "Load",
     "Motion",
+    "PeakRecord",
     "Quintic",
     "Result",
+    "Results",
     "Robot",
     "Samples",
     "Scenario",
@@ -49,9 +57,11 @@ __all__ = [
     "Spline",
     "Statistics",
     "Trapezoid",
+    "build_info",
     "check",
     "compare",
     "compare_events",
     "scenarios",
     "simulate",
+    "simulate_many",
 ]

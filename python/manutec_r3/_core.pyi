@@ -12,6 +12,13 @@ from numpy.typing import NDArray
 
 _Floats = NDArray[float64]
 
+# How this build was made.
+processor: str
+compiler: str
+compiler_flags: str
+eigen_version: str
+sundials_version: str
+
 signal_names: tuple[str, ...]
 axis_elements: tuple[str, ...]
 
@@ -144,6 +151,11 @@ class Trajectory:
     def until(self, t: float) -> Trajectory:
         """Return what lies before `t`, and `t` itself: at least the first instant."""
 
+    def instants(
+        self, event_times: _Floats, times: _Floats | None
+    ) -> tuple[_Floats, NDArray[intp]]:
+        """Instants to record (n,) and their steps: all steps or `times`, events on both sides."""
+
 class Simulator:
     def __init__(
         self,
@@ -200,3 +212,63 @@ def evaluate(
     step: NDArray[intp],
 ) -> tuple[_Floats, _Floats, NDArray[int8]]:
     """States (n, n_states), signals (n_signals, n, N), branches (n_elements, n, N)."""
+
+# Many runs.
+
+class Run:
+    def __init__(
+        self,
+        robot: Robot,
+        inputs: Inputs,
+        start: str | _Floats,
+        t_end: float,
+        times: _Floats | None,
+        rtol: float,
+        method: Method,
+        list_samples: bool,
+        input: _Floats | None,
+        tip_force: _Floats | None,
+        brakes: Sequence[bool],
+    ) -> None: ...
+
+class Record(Enum):
+    all = ...
+    events = ...
+    final = ...
+    peaks = ...
+
+class Outcome:
+    """Of a run that has ended; what is not to be recorded is empty or None."""
+
+    @property
+    def failed(self) -> bool: ...
+    @property
+    def began(self) -> bool: ...
+    @property
+    def time(self) -> float: ...
+    @property
+    def state(self) -> _Floats: ...
+    @property
+    def branches(self) -> dict[str, NDArray[int8]]: ...
+    def events(self) -> list[tuple[float, int, str, int, int]]: ...
+    @property
+    def statistics(self) -> dict[str, int]: ...
+    @property
+    def seconds(self) -> float: ...
+    @property
+    def trajectory(self) -> Trajectory: ...
+    @property
+    def final_state(self) -> _Floats: ...
+    @property
+    def signals(self) -> _Floats:
+        """(n_signals, N), in the order of `signal_names`."""
+
+    def raise_failure(self) -> None:
+        """Raise what has ended the run, if it failed."""
+
+class Batch:
+    def __init__(self, runs: Sequence[Run], record: Record) -> None: ...
+    def run(self, n_workers: int, progress: Callable[[int], None] | None) -> None: ...
+    @property
+    def outcomes(self) -> list[Outcome | None]:
+        """In the order of the runs; None where one is not finished."""

@@ -41,6 +41,11 @@ class SimulationError(RuntimeError):
         self.reason = reason
         self.result = result
 
+    @property
+    def status(self) -> str:
+        """What a result says of a run that ended so."""
+        return f"failed at {self.time:.6g} s: {self.reason}"
+
     def __reduce__(self) -> tuple:
         arguments = (self.time, self.state, self.branches, self.reason, self.result)
         return type(self), arguments

@@ -153,7 +153,7 @@ class Result(Samples):
     ) -> None:
         if times is not None:
             times = times[times <= t_end]
-        super().__init__(run, *_instants(run.trajectory, np.unique(events.time), times))
+        super().__init__(run, *run.trajectory.instants(np.unique(events.time), times))
         self.robot = run.inputs.robot
         self.motion = run.inputs.motion
         self.method = run.method
@@ -242,19 +242,3 @@ class Result(Samples):
             f"<Result of model {self.robot.model}: 0 to {self.t_end:g} s, {len(self)} instants, "
             f"{len(self.events)} events>"
         )
-
-
-def _instants(
-    trajectory: _core.Trajectory, event_times: np.ndarray, times: np.ndarray | None
-) -> tuple[np.ndarray, np.ndarray]:
-    """Instants to record and their steps: all steps or the given times, events on both sides."""
-    begin, end = trajectory.begin, trajectory.end
-    # Before an event comes the end of a step, after it the beginning of the next. A limit that is
-    # exceeded is an event inside a step.
-    before = np.searchsorted(end, event_times)
-    t = np.union1d(begin if times is None else times, event_times[event_times < end[-1]])
-    if times is None and end[-1] > begin[-1] and end[-1] not in event_times:
-        t = np.append(t, end[-1])
-    t, step = np.append(event_times, t), np.append(before, trajectory.steps_at(t))
-    order = np.lexsort((step, t))
-    return t[order], step[order]

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from time import perf_counter
-from typing import get_args
+from typing import NamedTuple, get_args
 
 import numpy as np
 
@@ -11,7 +11,17 @@ from . import _core
 from .arguments import floats, number, numbers
 from .errors import SimulationError
 from .events import Event, Events
-from .inputs import Input, Inputs, braked, check_has_tip, force, gather, input_of, one_per_axis
+from .inputs import (
+    Held,
+    Input,
+    Inputs,
+    braked,
+    check_has_tip,
+    force,
+    gather,
+    input_of,
+    one_per_axis,
+)
 from .motion import Motion
 from .result import Method, Result, Run, Statistics
 from .robot import Robot
@@ -106,16 +116,7 @@ def simulate(
     A result keeps every step, about a kilobyte each and two thousand of them per second of robot;
     a `Simulator` keeps none.
     """
-    t_end = number("t_end", t_end, "s")
-    if t_end <= 0.0:
-        raise ValueError(f"t_end: expected a time after the start at 0 s, got {t_end:g} s")
-    if times is not None:
-        times = np.atleast_1d(floats("times", times, "s")).ravel()
-        outside = (times < 0.0) | (times > t_end)
-        if outside.any():
-            raise ValueError(
-                f"times: expected instants from 0 to {t_end:g} s, got {times[outside][0]:g} s"
-            )
+    t_end, times = span(t_end, times)
     if progress is not None and not callable(progress):
         raise TypeError(f"progress: expected a function of the time, got {progress!r}")
 
@@ -140,26 +141,101 @@ def simulate(
     core = simulator._compiled
 
     def result(status: str = "completed") -> Result:
-        free = Result(
-            Run(simulator.inputs, simulator.method, core.trajectory),
-            simulator.rtol,
-            Events(Event(*event) for event in core.events(0)),
-            Statistics(**core.statistics, seconds=perf_counter() - began),
-            core.time,
-            times,
-            status,
-        )
+        seconds = perf_counter() - began
+        free = result_of(simulator, core, core.events(0), seconds, times, status)
         told = free._listing_limits() if list_limits else free
         return told._until_limit() if enforce_limits else told
 
     try:
         simulator._advance(t_end, include_end=False, progress=progress)
     except SimulationError as error:
-        error.result = result(f"failed at {error.time:.6g} s: {error.reason}")
+        error.result = result(error.status)
         if enforce_limits and error.result.limits:
             return error.result
         raise
     return result()
+
+
+def span(t_end: float, times: Sequence[float] | None) -> tuple[float, np.ndarray | None]:
+    """Return the end of a run [s] and the instants to record, which lie before it."""
+    t_end = number("t_end", t_end, "s")
+    if t_end <= 0.0:
+        raise ValueError(f"t_end: expected a time after the start at 0 s, got {t_end:g} s")
+    if times is not None:
+        times = np.atleast_1d(floats("times", times, "s")).ravel()
+        outside = (times < 0.0) | (times > t_end)
+        if outside.any():
+            raise ValueError(
+                f"times: expected instants from 0 to {t_end:g} s, got {times[outside][0]:g} s"
+            )
+    return t_end, times
+
+
+class Setup(NamedTuple):
+    """What a run begins with, all of it checked."""
+
+    inputs: Inputs
+    held: Held
+    brakes: list[bool]
+    start: str | np.ndarray
+    method: Method
+    rtol: float
+    list_samples: bool
+
+
+def set_up(
+    robot: Robot,
+    motion: Motion | None,
+    *,
+    rtol: float | None = None,
+    method: Method | None = None,
+    start: str | Sequence[float] | None = None,
+    list_samples: bool = False,
+    brakes: bool | Sequence[bool] = False,
+    **given: InputLike | None,
+) -> Setup:
+    """Check the arguments of a `Simulator`; what is not given becomes the default."""
+    inputs, held = gather(robot, motion, given)
+    _ = inputs._compiled  # refuses a motion that the robot cannot follow
+    if not isinstance(list_samples, bool):
+        raise TypeError(f"list_samples: expected True or False, got {list_samples!r}")
+    method = _method(robot, method)
+    if rtol is None:
+        rtol = _core.default_tolerance(_core.Method[method])
+    rtol = number("rtol", rtol, "1")
+    if not 1e-14 <= rtol <= 1e-2:
+        raise ValueError(f"rtol: expected a tolerance from 1e-14 to 1e-2, got {rtol:g}")
+    if start is None:
+        start = _core.default_start(robot._compiled)
+    elif not isinstance(start, str):
+        start = numbers("start", start, "'rotor', 'arm' or a state vector")
+        if start.ndim != 1:
+            raise ValueError(
+                f"start: expected a state vector of {robot.n_states} values, "
+                f"got shape {start.shape}"
+            )
+        robot._compiled.check_state(start)
+    return Setup(inputs, held, braked(brakes, robot.n_axes), start, method, rtol, list_samples)
+
+
+def result_of(
+    simulated: "Setup | Simulator",
+    core: _core.Simulator | _core.Outcome,
+    events: list[tuple],
+    seconds: float,
+    times: np.ndarray | None,
+    status: str,
+) -> Result:
+    """Return the result of a run that the core has recorded."""
+    return Result(
+        Run(simulated.inputs, simulated.method, core.trajectory),
+        simulated.rtol,
+        Events(Event(*event) for event in events),
+        Statistics(**core.statistics, seconds=seconds),
+        core.time,
+        times,
+        status,
+    )
 
 
 @dataclass(frozen=True)
@@ -213,41 +289,40 @@ class Simulator(Signals):
         brakes: bool | Sequence[bool] = False,
         _record: bool = False,
     ) -> None:
-        given = {"motor_torque": motor_torque, "command": command, "tip_force": tip_force}
-        self.inputs, held = gather(robot, motion, given)
-        inputs = self.inputs._compiled
-        if not isinstance(list_samples, bool):
-            raise TypeError(f"list_samples: expected True or False, got {list_samples!r}")
-        self.method = _method(robot, method)
-        core_method = _core.Method[self.method]
-        if rtol is None:
-            rtol = _core.default_tolerance(core_method)
-        rtol = number("rtol", rtol, "1")
-        if not 1e-14 <= rtol <= 1e-2:
-            raise ValueError(f"rtol: expected a tolerance from 1e-14 to 1e-2, got {rtol:g}")
-        self.rtol = rtol
-        if start is None or isinstance(start, str):
-            state = robot.rest_state(motion, start)
-        else:
-            state = numbers("start", start, "'rotor', 'arm' or a state vector")
-            if state.ndim != 1:
-                raise ValueError(
-                    f"start: expected a state vector of {robot.n_states} values, "
-                    f"got shape {state.shape}"
-                )
-            robot._compiled.check_state(state)
+        setup = set_up(
+            robot,
+            motion,
+            rtol=rtol,
+            method=method,
+            start=start,
+            list_samples=list_samples,
+            motor_torque=motor_torque,
+            command=command,
+            tip_force=tip_force,
+            brakes=brakes,
+        )
+        self.inputs, self.method, self.rtol = setup.inputs, setup.method, setup.rtol
+        state = setup.start
+        if isinstance(state, str):
+            state = robot.rest_state(motion, state)
         self._untold: list[Event] = []  # events that have happened and nobody has been told of
         try:
             self._compiled = _core.Simulator(
-                robot._compiled, inputs, state, rtol, core_method, _record, list_samples
+                robot._compiled,
+                self.inputs._compiled,
+                state,
+                self.rtol,
+                _core.Method[self.method],
+                _record,
+                setup.list_samples,
             )
         except _core.SimulationFailure as failure:
             raise SimulationError(0.0, state, {}, str(failure)) from None
-        if held.of_axes is not None:
-            self._set(self._compiled.set_input, held.of_axes)
-        if held.tip_force is not None:
-            self._set(self._compiled.set_tip_force, held.tip_force)
-        if any(braked(brakes, robot.n_axes)):
+        if setup.held.of_axes is not None:
+            self._set(self._compiled.set_input, setup.held.of_axes)
+        if setup.held.tip_force is not None:
+            self._set(self._compiled.set_tip_force, setup.held.tip_force)
+        if any(setup.brakes):
             self.brakes = brakes
 
     @property
