@@ -9,6 +9,7 @@ PYBIND11_MODULE(_core, module) {
   register_inputs(module);
   register_robot(module);
   register_arm(module);
+  register_system(module);
   register_simulator(module);
   register_trajectory(module);
 }
