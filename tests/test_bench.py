@@ -188,7 +188,7 @@ def test_a_table_shows_what_is_wrong_and_leaves_empty_columns_out():
     ]
     lines = for_markdown(Table("race", "A race", "ms", rows)).splitlines()
     assert lines[2:] == [
-        "|  | error | events | time, ms | median, ms | ratio |",
+        "|  | error | events | time, ms | median | ratio |",
         "| --- | ---: | --- | ---: | ---: | ---: |",
         "| a | 1.0e-07 | same | 1.50 | 2.00 | 1 |",
         "| b | 1.0e-05 > 1e-06 | DIFFERENT | 150 | 150 | 100 |",

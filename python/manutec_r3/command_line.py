@@ -124,7 +124,8 @@ def bench(
         if as_markdown:
             print(for_markdown(tables[-1]), flush=True)
         elif not as_json:
-            out.print(for_terminal(tables[-1]), end="\n\n")
+            out.print(for_terminal(tables[-1]))
+            out.print()
     if as_json:
         print(json.dumps({"machine": about, "tables": [table.as_dict() for table in tables]}))
     wrong = [

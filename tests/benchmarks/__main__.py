@@ -1,12 +1,14 @@
-"""All that the README says about speed, measured again: `python tests/benchmarks`.
+"""All tables of the README about speed, measured again: `python tests/benchmarks`.
 
-Prints the tables of its section Speed. The picture there is drawn by `notebooks/draw_pictures.py`.
+The picture there is drawn by `notebooks/draw_pictures.py`.
 """
+
+import subprocess
+import sys
 
 import instructions
 
-from manutec_r3.command_line import app
-
 if __name__ == "__main__":
-    print(instructions.table(), end="\n\n", flush=True)
-    app(["bench", "--markdown"])
+    bench = subprocess.run([sys.executable, "-m", "manutec_r3", "bench", "--markdown"])
+    print(instructions.table())
+    sys.exit(bench.returncode)

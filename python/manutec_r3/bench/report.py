@@ -16,6 +16,7 @@ from .timing import Timing
 
 _UNITS = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 _HEADINGS = ("", "work", "error", "events", "time", "median", "ratio")
+_WORDS = ("", "work", "events")
 
 
 @dataclass(frozen=True)
@@ -107,10 +108,8 @@ class Table:
         return f"{value:.0f}" if value >= 100.0 else f"{value:#.3g}"
 
     def headings(self) -> list[str]:
-        """Return `_HEADINGS` with units."""
-        return [
-            f"{name}, {self.unit}" if name in ("time", "median") else name for name in _HEADINGS
-        ]
+        """Return `_HEADINGS` with the unit of times."""
+        return [f"{name}, {self.unit}" if name == "time" else name for name in _HEADINGS]
 
     def as_dict(self) -> dict[str, Any]:
         """Return what is to be read by programs; times in seconds."""
@@ -160,10 +159,8 @@ def for_terminal(table: Table) -> RichTable:
         caption_justify="left",
     )
     for heading in headings:
-        is_text = heading in ("", "work", "events")
-        printed.add_column(
-            heading, justify="left" if is_text else "right", no_wrap=heading != "work"
-        )
+        is_number = heading not in _WORDS
+        printed.add_column(heading, justify="right" if is_number else "left", no_wrap=is_number)
     for row, cells in zip(table.rows, rows, strict=True):
         printed.add_row(*cells, style=None if row.is_right else "bold red")
     return printed
@@ -172,7 +169,7 @@ def for_terminal(table: Table) -> RichTable:
 def for_markdown(table: Table) -> str:
     """Return a table as the README has it."""
     headings, rows = filled(table)
-    rule = ["---" if heading in ("", "work", "events") else "---:" for heading in headings]
+    rule = ["---" if heading in _WORDS else "---:" for heading in headings]
     lines = [headings, rule, *rows]
     text = "\n".join("| " + " | ".join(line) + " |" for line in lines)
     return f"**{table.title}**\n\n{text}\n" + (f"\n{table.notes}\n" if table.notes else "")

@@ -80,12 +80,11 @@ def each_of_many(
         programs[name] = lambda loop=loop: loop(many)
         programs[f"{name}, one"] = lambda loop=loop: loop(one)
     timings = side_by_side(programs, repeats, clock)
+
+    def each(name: str, seconds: float) -> float:
+        return (seconds - timings[f"{name}, one"].minimum) / (many - one)
+
     return {
-        name: Timing(
-            *(
-                (getattr(timings[name], of) - getattr(timings[f"{name}, one"], of)) / (many - one)
-                for of in ("minimum", "median")
-            )
-        )
+        name: Timing(each(name, timings[name].minimum), each(name, timings[name].median))
         for name in loops
     }
