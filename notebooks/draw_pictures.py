@@ -3,16 +3,22 @@
 `blocks.svg` shows the parts of which every axis is made (report, section 3), with the symbols of
 the report: a left superscript `a` means the side of the arm, `r` the side of the rotor.
 `figure9.png` is what `manutec-r3 run figure9` draws, with fewer pixels.
+`precision.png` shows what a tolerance means and what it costs, for each method; its times are those
+of the machine that draws it, relative to each other.
 """
 
 from pathlib import Path
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyBboxPatch
+from matplotlib.ticker import LogLocator, NullLocator
 
 import manutec_r3 as r3
+from manutec_r3.accuracy import PROMISED
+from manutec_r3.bench.precision import Point, work_precision
 from manutec_r3.plot import figure9
 
 PICTURES = Path(__file__).parent / "pictures"
@@ -22,6 +28,7 @@ LINE = "#5d6771"
 FAINT = "#b4bcc4"
 CONTROLLER, MOTOR, MECHANICS = "#e3eefa", "#fdefd8", "#e6f0e4"
 SWITCHES = "#c0392b"  # the characteristics whose branches make events
+COLOURS = {"erk": "#0b3c6f", "bdf": "#e08a1e", "exponential": "#2e7d4f"}  # of methods
 
 # Corners of the characteristics, both coordinates from -1 to 1.
 DEAD_ZONE = [(-1.0, -0.75), (-0.3, 0.0), (0.3, 0.0), (1.0, 0.75)]
@@ -244,12 +251,72 @@ def blocks() -> Figure:
     return figure
 
 
-def main(folder: Path = PICTURES) -> None:
-    """Write both pictures."""
+def circle(panel: Axes, x: float, y: float, colour: str, label: str | None = None) -> None:
+    """Draw a circle around a point of a curve."""
+    panel.plot(
+        *(x, y),
+        color=colour,
+        marker="o",
+        markersize=11,
+        markerfacecolor="none",
+        markeredgewidth=1.8,
+        linestyle="none",
+        label=label,
+    )
+
+
+def precision(points: list[Point]) -> Figure:
+    """Draw errors over tolerance, over evaluations and over time, a curve for each method."""
+    default = next(point for point in points if point.is_default)
+    panels_of = {
+        "rtol": lambda point: point.rtol,
+        "evaluations, thousands": lambda point: point.outcome.evaluations / 1e3,
+        f"time, {default.method} by default = 1": lambda point: (
+            point.time.minimum / default.time.minimum
+        ),
+    }
+    figure = Figure(figsize=(10.4, 3.9), layout="constrained")
+    panels = figure.subplots(1, len(panels_of), sharey=True)
+    for panel, (label, place) in zip(panels, panels_of.items(), strict=True):
+        for method, colour in COLOURS.items():
+            curve = [point for point in points if point.method == method]
+            if not curve:
+                continue
+            x = [place(point) for point in curve]
+            y = [point.outcome.error for point in curve]
+            panel.plot(x, y, color=colour, linewidth=1.6, marker="o", markersize=3.5, label=method)
+            k = next(k for k, point in enumerate(curve) if point.is_default)
+            circle(panel, x[k], y[k], colour)
+        panel.axhline(PROMISED, color=SWITCHES, linewidth=1.0, linestyle="--", zorder=0)
+        panel.set(xscale="log", yscale="log")
+        panel.set_xlabel(label, fontsize=10, color=TEXT)
+        panel.grid(color=FAINT, linewidth=0.4, alpha=0.6)
+        panel.tick_params(colors=TEXT, labelsize=9)
+        for side in ("top", "right"):
+            panel.spines[side].set_visible(False)
+    panels[0].invert_xaxis()
+    panels[0].set_ylabel("error, parts of an axis' range", fontsize=10, color=TEXT)
+    panels[0].text(
+        *(1e-11, 1.3 * PROMISED), "promised", fontsize=9, color=SWITCHES, ha="right", va="bottom"
+    )
+    panels[0].xaxis.set_minor_locator(NullLocator())
+    for panel in panels[1:]:
+        panel.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        panel.xaxis.set_major_formatter("{x:g}")
+        panel.xaxis.set_minor_locator(NullLocator())
+    circle(panels[0], np.nan, np.nan, TEXT, label="default")
+    panels[0].legend(frameon=False, fontsize=9, labelcolor=TEXT, loc="lower left")
+    return figure
+
+
+def main(folder: Path = PICTURES, repeats: int = 15) -> None:
+    """Write all pictures; times are the least of so many repeats."""
     # Words as outlines look the same everywhere; without salt and date so does the file.
     with mpl.rc_context({"svg.fonttype": "path", "svg.hashsalt": "blocks", "path.simplify": True}):
         blocks().savefig(folder / "blocks.svg", transparent=True, metadata={"Date": None})
         figure9(r3.Scenario.load("figure9").run()).savefig(folder / "figure9.png", dpi=130)
+        points = work_precision(r3.Scenario.load("figure9"), repeats=repeats)
+        precision(points).savefig(folder / "precision.png", dpi=110)
 
 
 if __name__ == "__main__":

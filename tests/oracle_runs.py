@@ -474,20 +474,9 @@ def stored(name):
     return run
 
 
-def sequence(events):
-    """Events without their times: (axis, element, before, after)."""
-    return [tuple(event)[1:] for event in events]
-
-
 def times_of(events):
     """Times of events [s]."""
     return np.array([event[0] for event in events])
-
-
-def ranges(values):
-    """Range of each axis, at least 1e-3 of the largest axis': what errors are relative to."""
-    extent = np.ptp(values, axis=0)
-    return np.maximum(extent, 1e-3 * extent.max())
 
 
 def _compute(name):

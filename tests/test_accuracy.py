@@ -4,9 +4,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from oracle_runs import AT_ZERO, ECCENTRIC, RUNS, OracleRun, ranges, sequence, times_of
+from oracle_runs import AT_ZERO, ECCENTRIC, RUNS, OracleRun, times_of
 
 import manutec_r3 as r3
+from manutec_r3.accuracy import PROMISED, inside_steps, largest_errors, sequence
 
 # Whatever is most sensitive: a small torque on a light axis, backlash crossed back and forth, long
 # sticking, torque limits; and options that change the equations. Each ends half a second after its
@@ -51,7 +52,6 @@ SENSITIVE = {
         position=ECCENTRIC,
     ).simulate,
 }
-JUDGED = ("control_error", "motor_torque")
 OTHERS = (
     "joint_angle",
     "joint_rate",
@@ -71,36 +71,12 @@ def exact(name):
     return SENSITIVE[name](rtol=1e-11)
 
 
-def inside_steps(result):
-    """Instants inside the steps of a run, ends included; of four thousand steps, if it has more.
-
-    Backward differences take small steps after each sample or event: a hundred thousand instants
-    say no more than these.
-    """
-    steps = np.unique(result.time)
-    every = -(-len(steps) // 4000)
-    begin, length = steps[:-1:every, None], np.diff(steps)[::every, None]
-    return np.append((begin + length * [0.0, 0.21, 0.5, 0.83]).ravel(), steps[-1])
-
-
-def worst(result, exact, signals, times):
-    """Largest error of each signal, in parts of its axis' range."""
-    got, expected = (run.at(times) for run in (result, exact))
-    errors = {}
-    for signal in signals:
-        error = np.abs(getattr(got, signal) - getattr(expected, signal))
-        # Friction of ideal gears has no range, and no error.
-        scale = ranges(getattr(exact, signal))
-        errors[signal] = np.divide(error, scale, out=error, where=error > 0.0).max()
-    return errors
-
-
 @pytest.mark.parametrize("method", ["erk", "bdf"])
 @pytest.mark.parametrize("name", SENSITIVE)
 def test_by_default_errors_and_torques_are_exact_to_a_millionth_of_their_range(name, method):
     result = SENSITIVE[name](method=method)
-    for signal, error in worst(result, exact(name), JUDGED, inside_steps(result)).items():
-        assert error <= 1e-6, signal
+    for signal, error in largest_errors(result.at(inside_steps(result)), exact(name)).items():
+        assert error <= PROMISED == 1e-6, signal
 
 
 @pytest.mark.parametrize("method", ["erk", "bdf"])
@@ -115,7 +91,7 @@ def test_by_default_all_other_signals_are_exact_to_1e_5_of_their_range(name, met
     if len(events):
         times = times[np.abs(times[:, None] - events).min(axis=1) > 1e-6]
     assert len(times) > 1000
-    for signal, error in worst(result, exact(name), OTHERS, times).items():
+    for signal, error in largest_errors(result.at(times), exact(name), OTHERS).items():
         assert error <= 1e-5, signal
 
 

@@ -6,9 +6,10 @@ from importlib.resources import files
 
 import numpy as np
 import pytest
-from oracle_runs import RUNS, sequence, stored, times_of
+from oracle_runs import RUNS, stored, times_of
 
 import manutec_r3 as r3
+from manutec_r3.accuracy import sequence
 
 RUN = RUNS["section-10"]
 PRINTED = json.loads((files(r3) / "references" / "figure9_quintic.json").read_text())

@@ -14,10 +14,11 @@ from pathlib import Path
 import modelica
 import numpy as np
 import pytest
-from oracle_runs import ranges, sequence, times_of
+from oracle_runs import times_of
 from scipy.linalg import expm
 
 import manutec_r3 as r3
+from manutec_r3.accuracy import ranges, sequence
 
 MODELS = ("full-robot", "one-axis")
 PUBLISHED = json.loads((files(r3) / "references" / "one_axis.json").read_text(encoding="utf-8"))

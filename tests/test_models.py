@@ -6,10 +6,11 @@
 import numpy as np
 import pytest
 from independent import IndependentRobot
-from oracle_runs import ECCENTRIC, RUNS, SIGNALS, ranges, sequence, stored, times_of
+from oracle_runs import ECCENTRIC, RUNS, SIGNALS, stored, times_of
 from scipy.integrate import solve_ivp
 
 import manutec_r3 as r3
+from manutec_r3.accuracy import ranges, sequence
 
 RTOL = 1e-9
 

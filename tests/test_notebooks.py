@@ -65,7 +65,7 @@ def test_a_notebook_is_kept_without_outputs(path):
 
 
 def test_the_script_draws_every_picture_that_is_kept(draw_pictures, tmp_path):
-    draw_pictures.main(tmp_path)
+    draw_pictures.main(tmp_path, repeats=1)
     drawn = {path.name for path in tmp_path.iterdir()}
     assert drawn == {path.name for path in PICTURES.iterdir()}
 

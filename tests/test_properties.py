@@ -16,9 +16,10 @@ from independent import (
     Hybrid,
     IndependentRobot,
 )
-from oracle_runs import OracleRun, sequence, times_of
+from oracle_runs import OracleRun, times_of
 
 import manutec_r3 as r3
+from manutec_r3.accuracy import sequence
 
 # Reproducible, and for each model as many examples as fit in a few seconds.
 few = settings(max_examples=8, deadline=None, derandomize=True)

@@ -75,7 +75,7 @@ def test_links_and_commands_lead_to_files_that_exist():
 
 def test_pictures_are_light_enough_to_load():
     pictures = [ROOT / path for path in re.findall(r"!\[[^]]+\]\(([^)]+)\)", README)]
-    assert len(pictures) == 2
+    assert len(pictures) == 3
     assert sum(path.stat().st_size for path in pictures) < 500_000
 
 

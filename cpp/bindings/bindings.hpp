@@ -35,6 +35,7 @@ void register_motion(py::module_& module);
 void register_inputs(py::module_& module);
 void register_robot(py::module_& module);
 void register_arm(py::module_& module);
+void register_system(py::module_& module);
 void register_simulator(py::module_& module);
 void register_trajectory(py::module_& module);
 void register_many(py::module_& module);

@@ -13,6 +13,7 @@ PYBIND11_MODULE(MANUTEC_R3_MODULE, module) {
   register_inputs(module);
   register_robot(module);
   register_arm(module);
+  register_system(module);
   register_simulator(module);
   register_trajectory(module);
   register_many(module);

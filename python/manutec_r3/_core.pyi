@@ -138,6 +138,26 @@ def mass_matrix(robot: Robot, q: _Floats) -> _Floats: ...
 def link_poses(robot: Robot, q: _Floats) -> _Floats:
     """Poses (n, 7, 4, 4) for angles (n, 6)."""
 
+class System:
+    """A robot as a hybrid system; states (n, n_states) at times (n,)."""
+
+    def __init__(self, robot: Robot, inputs: Inputs) -> None: ...
+    def initialise(self, t: float, x: _Floats) -> _Floats: ...
+    def derivatives(self, t: _Floats, x: _Floats) -> _Floats:
+        """Return rates (n, n_states)."""
+
+    def indicators(self, t: _Floats, x: _Floats) -> _Floats:
+        """Return what is watched (n, n_watched): positive inside the present branches."""
+
+    def signals(self, t: _Floats, x: _Floats) -> _Floats:
+        """Return signals (n, n_signals * N)."""
+
+    def next_time_event(self, t: float) -> float: ...
+    def handle_event(
+        self, t: float, x: _Floats, fired: Sequence[int], time_event: bool
+    ) -> tuple[_Floats, list[tuple[int, str, int, int]]]:
+        """Return the state after the event, and (axis, element, before, after) of each switch."""
+
 class Snapshot: ...
 
 class Trajectory:

@@ -1,5 +1,6 @@
 """The command `manutec-r3`: runs scenarios, says what came out, writes it to a folder."""
 
+import json
 from collections import Counter
 from itertools import groupby
 from operator import attrgetter
@@ -15,6 +16,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from .archive import write_events, write_npz
+from .bench import PARTS, for_markdown, for_terminal, machine
 from .check import Check
 from .check import check as compute_checks
 from .errors import SimulationError
@@ -98,6 +100,39 @@ def check() -> None:
     if failed:
         _fail(f"{failed} of {len(checks)} checks failed")
     out.print(f"\nAll {len(checks)} checks passed.")
+
+
+@app.command()
+def bench(
+    parts: Annotated[
+        list[str] | None, typer.Argument(help=f"What to measure: {', '.join(PARTS)}; default: all.")
+    ] = None,
+    repeats: Annotated[int, typer.Option(min=1, help="How often, side by side.")] = 30,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    as_markdown: Annotated[bool, typer.Option("--markdown", help="Print Markdown.")] = False,
+) -> None:
+    """Measure work, error and time beside peers; exit code 1 if anything is wrong."""
+    for part in parts or ():
+        if part not in PARTS:
+            _fail(f"parts: expected some of {', '.join(PARTS)}, got {part!r}")
+    out, about, tables = Console(highlight=False), machine(), []
+    if not as_json:
+        separator = "; " if as_markdown else "\n"
+        print(separator.join(f"{what}: {value}" for what, value in about.items()), end="\n\n")
+    for part in parts or PARTS:
+        tables.append(PARTS[part](repeats))
+        if as_markdown:
+            print(for_markdown(tables[-1]), flush=True)
+        elif not as_json:
+            out.print(for_terminal(tables[-1]))
+            out.print()
+    if as_json:
+        print(json.dumps({"machine": about, "tables": [table.as_dict() for table in tables]}))
+    wrong = [
+        f"{table.part}: {row.name}" for table in tables for row in table.rows if not row.is_right
+    ]
+    if wrong:
+        _fail(f"error or events are not as promised: {'; '.join(wrong)}")
 
 
 def _load(name: str) -> Scenario:
