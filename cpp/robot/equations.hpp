@@ -155,29 +155,25 @@ class Equations {
   // that the arms carry, arM^T aq'' + rJ (rq'' + drift) = rF - tau - rM. Gyroscopic torques and a
   // force on the tip are part of the bias.
   struct Dynamics {
-    arm::Symmetric<N> M;  // aaM
-    arm::Vector<N> bias;
+    arm::EquationsOfMotion<N> arms;   // M is aaM
     Eigen::Matrix<double, N, E> arM;  // this and drift: only where rotors are carried
     arm::Vector<E> drift;             // <rn_j, w'_{j-1}> at aq'' = 0
   };
 
   Dynamics dynamics(double t, const double* x) const {
-    Dynamics dynamics;
     const arm::Vector<N> angle = q(x).matrix(), rate = qd(x).matrix();
-    const arm::EquationsOfMotion<N> eom = arm::equations_of_motion<N>(mechanism_, angle, rate);
-    dynamics.M = eom.M;
-    dynamics.bias = eom.bias;
+    Dynamics dynamics = {arm::equations_of_motion<N>(mechanism_, angle, rate), {}, {}};
     if (any_carried_) {
       const arm::CarriedRotors<N> rotors = arm::carried_rotors<N>(mechanism_, angle, rate);
       for (int j = 0; j < E; ++j) {
         const double inertia = carried_[j] ? rJ[j] : 0.0;
         dynamics.arM.col(j) = inertia * rotors.projection.col(j);
-        dynamics.bias += inertia * elastic_rotor_rate(x)[j] * rotors.swing.col(j);
+        dynamics.arms.bias += inertia * elastic_rotor_rate(x)[j] * rotors.swing.col(j);
         dynamics.drift[j] = carried_[j] ? rotors.drift[j] : 0.0;
       }
     }
     if (const arm::Vector<3> force = tip_force(t); !force.isZero(0.0)) {
-      dynamics.bias -=
+      dynamics.arms.bias -=
           arm::torques_of_force_on_load<N>(robot_.tables().table_3, robot_.load(), angle, force);
     }
     return dynamics;
@@ -192,8 +188,8 @@ class Equations {
   // (spec 5.3).
   Accelerations accelerations(const Dynamics& dynamics, const Torques& torques) const {
     const PerAxis<E> drive = (torques.motor - torques.gear - torques.friction).template head<E>();
-    arm::Symmetric<N> M = dynamics.M;
-    arm::Vector<N> right = (p * torques.gear).matrix() - dynamics.bias;
+    arm::Symmetric<N> M = dynamics.arms.M;
+    arm::Vector<N> right = (p * torques.gear).matrix() - dynamics.arms.bias;
     if (any_carried_) {
       // Rotors that turn are eliminated, rq'' = drive / rJ - drift - arM^T aq'' / rJ.
       for (int j = 0; j < E; ++j) {
@@ -239,8 +235,8 @@ class Equations {
     torques = this->torques(t, x);
     const Accelerations a = accelerations(dynamics, torques);
     result.joint_acceleration = a.joint.array();
-    arm::Vector<N> aL =
-        dynamics.M.full() * a.joint + dynamics.bias;  // what the arms take from the joints
+    arm::Vector<N> aL = dynamics.arms.M.full() * a.joint +
+                        dynamics.arms.bias;  // what the arms take from the joints
     if (any_carried_) aL += dynamics.arM * a.rotor;
     for (int i = 0; i < N; ++i) {
       if (!sticking[i] || !is_coupled(i)) continue;
