@@ -21,9 +21,9 @@ struct Gradient {
 Gradient gradient(const Triple& w, const Triple& wd) {
   const double xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z;
   const double xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z;
-  return {{-yy - zz, xy + wd.z, xz - wd.y},
-          {xy - wd.z, -xx - zz, yz + wd.x},
-          {xz + wd.y, yz - wd.x, -xx - yy}};
+  return {{-(yy + zz), xy + wd.z, xz - wd.y},
+          {xy - wd.z, -(xx + zz), yz + wd.x},
+          {xz + wd.y, yz - wd.x, -(xx + yy)}};
 }
 
 // force = integral a(r) dm, torque = integral r x a(r) dm.
@@ -71,8 +71,11 @@ struct Recursion {
   [[gnu::flatten]] void run() {
     // Arm 1 turns about the vertical, and only torques about the vertical matter to its joint:
     // neither its own motion at constant rate nor its weight takes one.
-    Composite composite = {mechanism.arm(0), {}};
-    if constexpr (N > 1) add<1>(arm_and_beyond<1>(motion_of_arm_2()), {0, 0, qd[0]}, composite);
+    const Moments& arm = mechanism.arm(0);
+    Composite composite = {arm, {}};
+    if constexpr (N > 1) {
+      composite = sum<1>(arm, {}, {0, 0, qd[0]}, arm_and_beyond<1>(motion_of_arm_2()));
+    }
     set_equation_of_joint<0>(composite);
   }
 
@@ -82,29 +85,28 @@ struct Recursion {
   Composite arm_and_beyond(const ArmMotion& motion) {
     const Moments& arm = mechanism.arm(j);
     const Gradient K = gradient(motion.w, motion.wd);
-    Composite composite = {{}, wrench_of<j>(arm, motion.a, K)};
+    const Wrench bias = wrench_of<j>(arm, motion.a, K);
+    Composite composite;
     if constexpr (constexpr int next = j + 1; next < N) {
       const Composite beyond = arm_and_beyond<next>(motion_of<next>(motion, K));
-      composite.moments = arm;
-      add<next>(beyond, motion.w, composite);
+      composite = sum<next>(arm, bias, motion.w, beyond);
       equations.bias[next] += mechanism.rotor(next).p_rJ * along_rotor_axis<next>(motion.wd);
     } else {
-      composite.moments = arm;
+      composite = {arm, bias};
     }
     composite = {rotated<j>(turns[j], composite.moments), rotated<j>(turns[j], composite.bias)};
     set_equation_of_joint<j>(composite);
     return composite;
   }
 
-  // Adds to arm j-1 what is beyond joint j.
+  // Arm j-1, which turns with w, and what is beyond joint j.
   template <int j>
-  void add(Composite beyond, const Triple& w, Composite& composite) const {
+  Composite sum(const Moments& arm, const Wrench& bias, const Triple& w, Composite beyond) const {
     shift<j, layout>(mechanism.offset(j), beyond.moments);
     shift<j, layout>(mechanism.offset(j), beyond.bias);
-    composite.moments += beyond.moments;
-    composite.bias += beyond.bias;
     // The rotor of joint j spins in arm j-1 with p qd.
-    composite.bias.torque += mechanism.rotor(j).p_rJ * qd[j] * cross_rotor_axis<j>(w);
+    beyond.bias.torque += mechanism.rotor(j).p_rJ * qd[j] * cross_rotor_axis<j>(w);
+    return {arm + beyond.moments, bias + beyond.bias};
   }
 
   // What an arm's own motion takes. The arms of the report are symmetrical, but the load, which the
@@ -127,7 +129,7 @@ struct Recursion {
         {qd[1], s * w, c * w}, {0, c * w * qd[1], -s * w * qd[1]}, {0, s * g, c * g}};
     if constexpr (layout == Layout::anything) {
       const Triple& r = mechanism.offset(1);
-      arm_2.a += rotated<1>(turns[1].inverse(), Triple{-w * w * r.x, -w * w * r.y, 0});
+      arm_2.a += rotated_back<1>(turns[1], {-w * w * r.x, -w * w * r.y, 0});
     }
     return arm_2;
   }
@@ -136,9 +138,9 @@ struct Recursion {
   template <int j>
   ArmMotion motion_of(const ArmMotion& inner, const Gradient& K) {
     constexpr Axis an = joint_axes[j];
-    const Turn back = turns[j].inverse();
-    ArmMotion outer = {rotated<j>(back, inner.w), rotated<j>(back, inner.wd),
-                       rotated<j>(back, inner.a + lift<j>(K))};
+    const Turn& turn = turns[j];
+    ArmMotion outer = {rotated_back<j>(turn, inner.w), rotated_back<j>(turn, inner.wd),
+                       rotated_back<j>(turn, inner.a + lift<j>(K))};
     outer.wd += qd[j] * cross_unit<an>(outer.w);
     along<an>(outer.w) += qd[j];
     return outer;

@@ -23,17 +23,13 @@ struct Moments {
   Triple h;
   SymmetricTensor J;
 
-  Moments& operator+=(const Moments& other) {
-    m += other.m;
-    h += other.h;
-    J.xx += other.J.xx;
-    J.yy += other.J.yy;
-    J.zz += other.J.zz;
-    J.xy += other.J.xy;
-    J.xz += other.J.xz;
-    J.yz += other.J.yz;
-    return *this;
+  friend Moments operator+(const Moments& a, const Moments& b) {
+    return {a.m + b.m,
+            a.h + b.h,
+            {a.J.xx + b.J.xx, a.J.yy + b.J.yy, a.J.zz + b.J.zz, a.J.xy + b.J.xy, a.J.xz + b.J.xz,
+             a.J.yz + b.J.yz}};
   }
+  Moments& operator+=(const Moments& other) { return *this = *this + other; }
 };
 
 Moments moments(const Body& body);

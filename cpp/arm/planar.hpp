@@ -14,8 +14,6 @@ namespace manutec_r3::arm {
 // Cosine and sine of a joint angle.
 struct Turn {
   double c, s;
-
-  Turn inverse() const { return {c, -s}; }
 };
 
 enum class Layout {
@@ -29,10 +27,8 @@ constexpr bool is_displaced_in_report(int j) { return j == 2 || j == 4; }
 struct Wrench {
   Triple torque, force;
 
-  Wrench& operator+=(const Wrench& other) {
-    torque += other.torque;
-    force += other.force;
-    return *this;
+  friend Wrench operator+(const Wrench& a, const Wrench& b) {
+    return {a.torque + b.torque, a.force + b.force};
   }
 };
 
@@ -46,6 +42,13 @@ inline void rotate(const Turn& turn, double& u, double& v) {
   const double u_j = u;
   u = turn.c * u_j - turn.s * v;
   v = turn.s * u_j + turn.c * v;
+}
+
+// Components of arm j-1 -> components (u, v) of arm j.
+inline void rotate_back(const Turn& turn, double& u, double& v) {
+  const double u_j_1 = u;
+  u = turn.c * u_j_1 + turn.s * v;
+  v = turn.c * v - turn.s * u_j_1;
 }
 
 // The part of a tensor in the plane of rotation; it is rotated from both sides.
@@ -63,6 +66,17 @@ Triple rotated(const Turn& turn, Triple v) {
     rotate(turn, v.y, v.z);
   } else {
     rotate(turn, v.x, v.y);
+  }
+  return v;
+}
+
+// From the directions of arm j-1 to those of arm j.
+template <int j>
+Triple rotated_back(const Turn& turn, Triple v) {
+  if constexpr (joint_axes[j] == Axis::x) {
+    rotate_back(turn, v.y, v.z);
+  } else {
+    rotate_back(turn, v.x, v.y);
   }
   return v;
 }

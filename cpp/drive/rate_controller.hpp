@@ -23,10 +23,9 @@ namespace manutec_r3::drive {
 
 template <int N>
 struct RateController {
-  PerAxis<N> k_s, k_s_T0, one_by_Te, one_by_Tb, Ta_by_Tb;
-  PerAxis<N> one_by_T0;
-  // On the present branches: 0 where U is at its limit, else 1.
-  PerAxis<N> free = PerAxis<N>::Ones();
+  PerAxis<N> k_s, k_s_T0, one_by_Te, one_by_Tb, Ta_by_Tb, one_by_T0;
+  // On the present branches: w' = w_by_e e + w_by_U (U - w), U' = U_by_drive (w + K_S T_0 e - U).
+  PerAxis<N> w_by_e, w_by_U, U_by_drive;
 
   explicit RateController(const Table1& table)
       : k_s(first<N>(table.K_S)),
@@ -34,7 +33,17 @@ struct RateController {
         one_by_Te(first<N>(table.T_e).inverse()),
         one_by_Tb(first<N>(table.T_b).inverse()),
         Ta_by_Tb(first<N>(table.T_a) / first<N>(table.T_b)),
-        one_by_T0(first<N>(table.T_0).inverse()) {}
+        one_by_T0(first<N>(table.T_0).inverse()) {
+    for (int i = 0; i < N; ++i) set_branch(i, 0);
+  }
+
+  // Where U is, below, inside or above its limits: -1, 0 or +1.
+  void set_branch(int axis, int branch) {
+    const bool is_free = branch == 0;
+    w_by_e[axis] = is_free ? k_s[axis] : 0.0;
+    w_by_U[axis] = is_free ? 0.0 : one_by_T0[axis];
+    U_by_drive[axis] = is_free ? one_by_Te[axis] : 0.0;
+  }
 
   // e from the command u_c, the tachogenerator's voltage u_t and the filter's lag f [V].
   PerAxis<N> rate_error(const PerAxis<N>& command, ConstView<N> u_t, ConstView<N> f) const {
@@ -51,8 +60,8 @@ struct RateController {
                    ConstView<N> U, View<N> df, View<N> dw, View<N> dU) const {
     const PerAxis<N> e = rate_error(command, u_t, f);
     df = one_by_Tb * (u_t - f);
-    dw = free * k_s * e + (1.0 - free) * one_by_T0 * (U - w);
-    dU = free * one_by_Te * drive(e, w, U);
+    dw = w_by_e * e + w_by_U * (U - w);
+    dU = U_by_drive * drive(e, w, U);
   }
 };
 

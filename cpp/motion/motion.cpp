@@ -82,21 +82,21 @@ void check_duration(double duration) {
 // start + (end - start) s(x) on every axis, for a path parameter s given by its coefficients.
 Piece along_line(double begin, double length, std::span<const double> start,
                  std::span<const double> end, const std::array<double, 6>& path) {
-  Polynomials line{begin, length, {}};
+  Polynomials line{begin, length};
   for (std::size_t i = 0; i < start.size(); ++i) {
-    std::array<double, 6> coefficients;
-    for (std::size_t k = 0; k < path.size(); ++k) coefficients[k] = (end[i] - start[i]) * path[k];
-    coefficients[0] += start[i];
-    line.coefficients.push_back(coefficients);
+    for (std::size_t k = 0; k < path.size(); ++k) {
+      line.coefficients[k][i] = (end[i] - start[i]) * path[k];
+    }
+    line.coefficients[0][i] += start[i];
   }
-  return {begin, std::move(line)};
+  return {begin, line};
 }
 
 // Exactly at rest, exactly at the angles.
 Piece at_rest(double begin, std::span<const double> angles) {
-  Polynomials rest{begin, 1.0, {}};
-  for (const double angle : angles) rest.coefficients.push_back({angle});
-  return {begin, std::move(rest)};
+  Polynomials rest{begin, 1.0};
+  std::ranges::copy(angles, rest.coefficients[0].begin());
+  return {begin, rest};
 }
 
 std::vector<double> copied(std::span<const double> values) {
@@ -113,26 +113,32 @@ std::vector<double> angles_at(const Motion& motion, double t) {
 
 // --- what the laws of pieces give ----------------------------------------------------------------
 
+using Values = std::array<double, most_axes>;
+
 void reference_of(const Polynomials& law, double t, int, std::span<Reference> references) {
   const double x = (t - law.begin) / law.length;
-  for (std::size_t i = 0; i < references.size(); ++i) {
-    const std::array<double, 6>& c = law.coefficients[i];
-    const double slope = c[1] + x * (2 * c[2] + x * (3 * c[3] + x * (4 * c[4] + x * 5 * c[5])));
-    references[i] = {c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5])))),
-                     slope / law.length};
+  const double per_second = 1.0 / law.length;
+  const auto& c = law.coefficients;
+  // Of all axes, also of those that nobody asks for: together they cost less.
+  Values angle, rate;
+  for (std::size_t i = 0; i < most_axes; ++i) {
+    angle[i] =
+        c[0][i] + x * (c[1][i] + x * (c[2][i] + x * (c[3][i] + x * (c[4][i] + x * c[5][i]))));
+    rate[i] =
+        per_second *
+        (c[1][i] + x * (2 * c[2][i] + x * (3 * c[3][i] + x * (4 * c[4][i] + x * (5 * c[5][i])))));
   }
+  for (std::size_t i = 0; i < references.size(); ++i) references[i] = {angle[i], rate[i]};
 }
 
 void acceleration_of(const Polynomials& law, double t, int, std::span<double> accelerations) {
   const double x = (t - law.begin) / law.length;
+  const auto& c = law.coefficients;
   for (std::size_t i = 0; i < accelerations.size(); ++i) {
-    const std::array<double, 6>& c = law.coefficients[i];
-    const double second = 2 * c[2] + x * (6 * c[3] + x * (12 * c[4] + x * 20 * c[5]));
+    const double second = 2 * c[2][i] + x * (6 * c[3][i] + x * (12 * c[4][i] + x * 20 * c[5][i]));
     accelerations[i] = second / (law.length * law.length);
   }
 }
-
-using Values = std::array<double, most_axes>;
 
 Values values_of(const Function& function, double t, int n_axes) {
   Values values;
@@ -188,7 +194,8 @@ bool extends_beyond_end(const PieceOfFunctions&) { return false; }
 bool extends_beyond_end(const PieceOfMotion& law) { return law.motion->extends_beyond_knots(); }
 
 bool rests_at_zero(const Polynomials& law, int axis) {
-  return std::ranges::all_of(law.coefficients[axis], [](double c) { return c == 0.0; });
+  return std::ranges::all_of(law.coefficients,
+                             [axis](const auto& of_axes) { return of_axes[axis] == 0.0; });
 }
 
 bool rests_at_zero(const PieceOfFunctions&, int) { return false; }
@@ -307,7 +314,7 @@ Motion spline(std::span<const double> times, std::span<const double> angles) {
 
   std::vector<Piece> pieces;
   for (std::size_t k = 0; k + 1 < n; ++k) {
-    pieces.push_back({times[k], Polynomials{times[k], times[k + 1] - times[k], {}}});
+    pieces.push_back({times[k], Polynomials{times[k], times[k + 1] - times[k]}});
   }
   std::vector<double> values(n);
   for (std::size_t i = 0; i < n_axes; ++i) {
@@ -320,8 +327,10 @@ Motion spline(std::span<const double> times, std::span<const double> angles) {
       Polynomials& law = std::get<Polynomials>(pieces[k].law);
       const double way = values[k + 1] - values[k];
       const double first = law.length * slopes[k], last = law.length * slopes[k + 1];
-      law.coefficients.push_back(
-          {values[k], first, 3.0 * way - 2.0 * first - last, first + last - 2.0 * way});
+      law.coefficients[0][i] = values[k];
+      law.coefficients[1][i] = first;
+      law.coefficients[2][i] = 3.0 * way - 2.0 * first - last;
+      law.coefficients[3][i] = first + last - 2.0 * way;
     }
   }
   pieces.push_back(at_rest(times.back(), row(n - 1)));

@@ -24,12 +24,13 @@ class Motion;
 
 // --- what a piece may be -------------------------------------------------------------------------
 
-// One polynomial per axis in the normalised time x = (t - begin) / length of the piece,
-// coefficients from x^0 to x^5: high powers of short times would lose digits.
+// One polynomial per axis in the normalised time x = (t - begin) / length of the piece: high powers
+// of short times would lose digits.
 struct Polynomials {
   double begin;   // [s]
   double length;  // [s], 1 for the last piece, which has no end
-  std::vector<std::array<double, 6>> coefficients;
+  // Of x^0 to x^5, each for all axes, so that they are evaluated together.
+  std::array<std::array<double, most_axes>, 6> coefficients = {};
 };
 
 // Any function of time: fills in one value for each axis of the motion.

@@ -55,7 +55,7 @@ class ElectricalSwitches<N, drive::Axes<N>> {
     for (int i = 0; i < N; ++i) {
       equations_.axes.motor.NL1.set_dead_zone(i, mode_.branch(dead_zone, i), a_[i]);
       equations_.axes.motor.NL2.set_saturation(i, mode_.branch(torque_limit, i), b_[i]);
-      equations_.axes.rate_controller.free[i] = mode_.branch(voltage_limit, i) == 0 ? 1.0 : 0.0;
+      equations_.axes.rate_controller.set_branch(i, mode_.branch(voltage_limit, i));
     }
   }
 

@@ -173,29 +173,25 @@ class Equations {
   // that the arms carry, arM^T aq'' + rJ (rq'' + drift) = rF - tau - rM. Gyroscopic torques and a
   // force on the tip are part of the bias.
   struct Dynamics {
-    arm::Symmetric<N> M;  // aaM
-    arm::Vector<N> bias;
+    arm::EquationsOfMotion<N> arms;   // M is aaM
     Eigen::Matrix<double, N, E> arM;  // this and drift: only where rotors are carried
     arm::Vector<E> drift;             // <rn_j, w'_{j-1}> at aq'' = 0
   };
 
   Dynamics dynamics(double t, const double* x) const {
-    Dynamics dynamics;
     const arm::Vector<N> angle = q(x).matrix(), rate = qd(x).matrix();
-    const arm::EquationsOfMotion<N> eom = arm::equations_of_motion<N>(mechanism_, angle, rate);
-    dynamics.M = eom.M;
-    dynamics.bias = eom.bias;
+    Dynamics dynamics = {arm::equations_of_motion<N>(mechanism_, angle, rate), {}, {}};
     if (any_carried_) {
       const arm::CarriedRotors<N> rotors = arm::carried_rotors<N>(mechanism_, angle, rate);
       for (int j = 0; j < E; ++j) {
         const double inertia = carried_[j] ? rJ[j] : 0.0;
         dynamics.arM.col(j) = inertia * rotors.projection.col(j);
-        dynamics.bias += inertia * elastic_rotor_rate(x)[j] * rotors.swing.col(j);
+        dynamics.arms.bias += inertia * elastic_rotor_rate(x)[j] * rotors.swing.col(j);
         dynamics.drift[j] = carried_[j] ? rotors.drift[j] : 0.0;
       }
     }
-    if (const arm::Vector<3> force = tip_force(t); !force.isZero(0.0)) {
-      dynamics.bias -=
+    if (const arm::Vector<3> force = tip_force(t); (force.array() != 0.0).any()) {
+      dynamics.arms.bias -=
           arm::torques_of_force_on_load<N>(robot_.tables().table_3, robot_.load(), angle, force);
     }
     return dynamics;
@@ -210,34 +206,16 @@ class Equations {
   // (spec 5.3).
   Accelerations accelerations(const Dynamics& dynamics, const Torques& torques) const {
     const PerAxis<E> drive = (torques.motor - torques.gear - torques.friction).template head<E>();
-    arm::Symmetric<N> M = dynamics.M;
-    arm::Vector<N> right = (p * torques.gear).matrix() - dynamics.bias;
-    if (any_carried_) {
-      // Rotors that turn are eliminated, rq'' = drive / rJ - drift - arM^T aq'' / rJ.
-      for (int j = 0; j < E; ++j) {
-        if (!carried_[j] || sticking[j]) continue;
-        const arm::Vector<N> arM = dynamics.arM.col(j);
-        M.subtract_square(arM, rJ[j]);
-        right -= arM * (drive[j] / rJ[j] - dynamics.drift[j]);
-      }
-    }
-    for (int i = n_elastic(); i < N; ++i) {
-      if (!sticking[i]) continue;
-      M.decouple(i);
-      right[i] = 0.0;
-    }
-    right = arm::solution(M, right);
-    for (int i = n_elastic(); i < N; ++i) {
-      if (sticking[i]) right[i] = 0.0;
-    }
-
+    const arm::Vector<N> right = (p * torques.gear).matrix() - dynamics.arms.bias;
     Accelerations result;
-    result.joint = right;
+    result.joint = any_carried_ || any_joint_sticks()
+                       ? constrained_joint_accelerations(dynamics, drive, right)
+                       : arm::solution(dynamics.arms.M, right);
     if (!elastic_) return result;
     for (int j = 0; j < E; ++j) {
       result.rotor[j] = drive[j] / rJ[j];
       if (carried_[j]) {
-        result.rotor[j] -= dynamics.drift[j] + dynamics.arM.col(j).dot(right) / rJ[j];
+        result.rotor[j] -= dynamics.drift[j] + dynamics.arM.col(j).dot(result.joint) / rJ[j];
       }
       if (sticking[j]) result.rotor[j] = 0.0;
     }
@@ -252,8 +230,8 @@ class Equations {
              rJ[axis] * dynamics.drift[axis];
     }
     // The joint takes from the gear what the arms take from the joint.
-    double aF = dynamics.bias[axis];
-    for (int j = 0; j < N; ++j) aF += dynamics.M(axis, j) * a.joint[j];
+    double aF = dynamics.arms.bias[axis];
+    for (int j = 0; j < N; ++j) aF += dynamics.arms.M(axis, j) * a.joint[j];
     if (any_carried_) aF += dynamics.arM.row(axis).dot(a.rotor);
     return torques.motor[axis] - aF / p[axis];
   }
@@ -281,7 +259,9 @@ class Equations {
 
   // --- the right-hand side ----------------------------------------------------------------------
 
-  void derivatives(double t, const double* x, double* dx) const {
+  // Flattened into one function, which spares copies of everything that goes from one part to
+  // another.
+  [[gnu::flatten]] void derivatives(double t, const double* x, double* dx) const {
     const Accelerations a = accelerations(dynamics(t, x), torques(t, x));
     View<N>{dx} = qd(x);
     View<N>{dx + N} = a.joint.array();
@@ -293,6 +273,36 @@ class Equations {
   }
 
  private:
+  // Sticking of axes with elastic gears does not hold their joints.
+  bool any_joint_sticks() const {
+    bool any = false;
+    for (int i = n_elastic(); i < N; ++i) any |= sticking[i];
+    return any;
+  }
+
+  // Of M aq'' + arM rq'' = right, with `drive` for the rotors that the arms carry: these are
+  // eliminated, rq'' = drive / rJ - drift - arM^T aq'' / rJ, and joints that stick are left alone.
+  arm::Vector<N> constrained_joint_accelerations(const Dynamics& dynamics, const PerAxis<E>& drive,
+                                                 arm::Vector<N> right) const {
+    arm::Symmetric<N> M = dynamics.arms.M;
+    for (int j = 0; j < E; ++j) {
+      if (!carried_[j] || sticking[j]) continue;
+      const arm::Vector<N> arM = dynamics.arM.col(j);
+      M.subtract_square(arM, rJ[j]);
+      right -= arM * (drive[j] / rJ[j] - dynamics.drift[j]);
+    }
+    for (int i = n_elastic(); i < N; ++i) {
+      if (!sticking[i]) continue;
+      M.decouple(i);
+      right[i] = 0.0;
+    }
+    arm::Vector<N> joint = arm::solution(M, right);
+    for (int i = n_elastic(); i < N; ++i) {
+      if (sticking[i]) joint[i] = 0.0;
+    }
+    return joint;
+  }
+
   // u_c [V], or rF [N m] without a controller: held, or a function of time.
   PerAxis<N> input(double t) const {
     if (!inputs_.of_axes) return held_input;

@@ -148,8 +148,8 @@ class FrictionDecision {
     const int n_rotors = equations_.n_elastic();
     Matrix M = Matrix::Zero(N + n_rotors, N + n_rotors);
     Vector force(N + n_rotors);
-    M.template topLeftCorner<N, N>() = dynamics.M.full();
-    force.head(N) = (equations_.p * torques.gear).matrix() - dynamics.bias;
+    M.template topLeftCorner<N, N>() = dynamics.arms.M.full();
+    force.head(N) = (equations_.p * torques.gear).matrix() - dynamics.arms.bias;
     for (int j = 0; j < n_rotors; ++j) {
       M(N + j, N + j) = equations_.rJ[j];
       force[N + j] = torques.motor[j] - torques.gear[j] - torques.friction[j];

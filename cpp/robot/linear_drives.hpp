@@ -104,7 +104,7 @@ class LinearDrives {
 
   // Chooses A for the rigid axes of a state.
   void choose_inertias(double t, const double* x, Mode<N>& mode) const {
-    const arm::Matrix<N> inverse = equations_.dynamics(t, x).M.full().inverse();
+    const arm::Matrix<N> inverse = equations_.dynamics(t, x).arms.M.full().inverse();
     for (int i = equations_.n_elastic(); i < N; ++i) {
       const double octaves = -std::log2(inverse(i, i));
       mode.set(Mode<N>::inertia, i, static_cast<int>(std::lround(inertias_per_octave * octaves)));

@@ -32,7 +32,7 @@ using namespace manutec_r3;
 
 namespace {
 
-constexpr int n_states_seen = 64;
+constexpr unsigned n_states_seen = 64;
 constexpr int n_evaluations = 20'000;
 constexpr int n_repeats = 50;
 
@@ -81,7 +81,7 @@ Case right_hand_side(const std::string& name, robot::Model model,
   system->set_mode(mode);
   return {name, [system, states, dx = std::vector<double>(robot->n_states())](int count) mutable {
             double sum = 0.0;
-            for (int k = 0; k < count; ++k) {
+            for (unsigned k = 0; k < static_cast<unsigned>(count); ++k) {
               system->derivatives(0.3, states[k % n_states_seen].data(), dx.data());
               sum += dx.front() + dx.back();
             }
@@ -107,7 +107,7 @@ Case forward_dynamics(const std::string& name, robot::Model model) {
   const robot::Robot robot(model, robot::default_load(model));
   return {name, [poses, mechanism = std::get<arm::Mechanism<N>>(robot.arm())](int count) {
             double sum = 0.0;
-            for (int k = 0; k < count; ++k) {
+            for (unsigned k = 0; k < static_cast<unsigned>(count); ++k) {
               const auto& [q, qd, tau] = poses[k % n_states_seen];
               sum += arm::forward_dynamics<N>(mechanism, q, qd, tau)[0];
             }
