@@ -71,7 +71,7 @@ def exact(name):
     return SENSITIVE[name](rtol=1e-11)
 
 
-@pytest.mark.parametrize("method", ["erk", "bdf"])
+@pytest.mark.parametrize("method", ["exponential", "erk", "bdf"])
 @pytest.mark.parametrize("name", SENSITIVE)
 def test_by_default_errors_and_torques_are_exact_to_a_millionth_of_their_range(name, method):
     result = SENSITIVE[name](method=method)
@@ -79,7 +79,7 @@ def test_by_default_errors_and_torques_are_exact_to_a_millionth_of_their_range(n
         assert error <= PROMISED == 1e-6, signal
 
 
-@pytest.mark.parametrize("method", ["erk", "bdf"])
+@pytest.mark.parametrize("method", ["exponential", "erk", "bdf"])
 @pytest.mark.parametrize("name", SENSITIVE)
 def test_by_default_all_other_signals_are_exact_to_1e_5_of_their_range(name, method):
     result = SENSITIVE[name](method=method)
@@ -139,7 +139,7 @@ def test_both_methods_find_the_same_sequence_at_every_tolerance(name):
 # --- looking does not disturb ---------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("method", ["erk", "bdf"])
+@pytest.mark.parametrize("method", ["exponential", "erk", "bdf"])
 def test_a_repeated_run_is_bit_identical(method):
     first, second = (RUNS["3-quintic"].simulate(method=method) for _ in range(2))
     np.testing.assert_array_equal(first.time, second.time)
@@ -148,7 +148,7 @@ def test_a_repeated_run_is_bit_identical(method):
     assert first.statistics.evaluations == second.statistics.evaluations
 
 
-@pytest.mark.parametrize("method", ["erk", "bdf"])
+@pytest.mark.parametrize("method", ["exponential", "erk", "bdf"])
 def test_recorded_times_change_nothing(method):
     run = RUNS["3-quintic"]
     times = np.linspace(0.0, run.t_end, 501)
@@ -164,7 +164,7 @@ def test_recorded_times_change_nothing(method):
     assert recorded == set(times) | set(plain.events.time)
 
 
-@pytest.mark.parametrize("method", ["erk", "bdf"])
+@pytest.mark.parametrize("method", ["exponential", "erk", "bdf"])
 def test_steps_of_the_user_change_nothing(method):
     run = RUNS["3-quintic"]
     plain = run.simulate(method=method)
@@ -213,7 +213,7 @@ def test_a_run_restored_from_anywhere_meets_the_same_events(name):
         assert events == [event for event in expected if event.time > state.time]
 
 
-@pytest.mark.parametrize("method", ["erk", "bdf"])
+@pytest.mark.parametrize("method", ["exponential", "erk", "bdf"])
 def test_stepping_to_events_meets_all_of_them_at_their_instants(method):
     run = RUNS["4-trapezoid"]
     expected = run.simulate(method=method).events

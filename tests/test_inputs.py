@@ -96,7 +96,7 @@ def push(t):
         ("tip_force", "continuous", push),
     ],
 )
-@pytest.mark.parametrize("method", ["erk", "bdf"])
+@pytest.mark.parametrize("method", ["exponential", "erk", "bdf"])
 def test_a_step_at_a_knot_is_the_same_as_setting_the_input_at_that_instant(
     name, controller, function, method
 ):
@@ -160,7 +160,7 @@ def test_an_oscillating_torque_moves_two_masses_as_its_closed_form():
         assert np.ravel(got) == pytest.approx(x[:4], rel=1e-8, abs=1e-10)
 
 
-@pytest.mark.parametrize("method", ["erk", "bdf"])
+@pytest.mark.parametrize("method", ["exponential", "erk", "bdf"])
 def test_an_input_that_fails_while_another_is_set_leaves_no_trace(method):
     fails = False
 

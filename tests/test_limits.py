@@ -13,7 +13,7 @@ from scipy.optimize import brentq, minimize_scalar
 import manutec_r3 as r3
 
 RUN = RUNS["section-10"]
-METHODS = ["erk", "bdf"]
+METHODS = ["exponential", "erk", "bdf"]
 # The experiment of the report in 0.8 s instead of 1.2 s.
 TOO_FAST = OracleRun(3, ("Quintic", AT_ZERO, RUN.motion[2], 0.8), 1.5, mass=15.0)
 # In which much is exceeded, on both sides.

@@ -141,7 +141,7 @@ def test_an_input_that_is_set_again_at_one_instant_is_decided_again(at):
     np.testing.assert_array_equal(simulator.rotor_rate, 0.0)
 
 
-@pytest.mark.parametrize("method", ["erk", "bdf"])
+@pytest.mark.parametrize("method", ["exponential", "erk", "bdf"])
 def test_setting_a_torque_input_does_not_move_the_robot(method):
     robot = r3.Robot(model=3, load=r3.Load(6.0, ECCENTRIC), controller=None)
     start = robot.state_from([0.1, -0.2, 0.3, 0.4, -0.5, 0.6], [1.0, -1.0, 2.0, 1.0, -2.0, 3.0])

@@ -313,7 +313,7 @@ def test_a_trapezoid_by_functions_with_its_knots_is_the_same_run_as_the_trapezoi
     assert_same_run(*(r3.simulate(robot, m, 0.5) for m in (motion, trapezoid)), 0.5)
 
 
-@pytest.mark.parametrize("method", ["erk", "bdf"])
+@pytest.mark.parametrize("method", ["exponential", "erk", "bdf"])
 def test_at_a_knot_each_side_has_its_own_rate(method):
     motion = r3.FunctionMotion(tent_angle, tent_rate, 0.2, [0.1])
     result = r3.simulate(r3.Robot(model=2), motion, 0.3, method=method)

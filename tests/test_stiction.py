@@ -84,7 +84,7 @@ def test_friction_holds_a_sticking_rotor_in_balance(result):
         assert np.abs(balance[sticks]).max() <= 1e-13  # roundoff of a few N m
 
 
-@pytest.mark.parametrize("method", ["erk", "bdf"])
+@pytest.mark.parametrize("method", ["exponential", "erk", "bdf"])
 def test_a_robot_at_rest_stays_exactly_at_rest(method):
     robot = r3.Robot(model=3, load=r3.Load(12.0, ECCENTRIC))
     result = r3.simulate(robot, r3.Hold((0.3, -0.5, 0.8, 0.4, -0.6, 0.2)), 10.0, method=method)
