@@ -64,7 +64,7 @@ template <int N, Layout layout>
 struct Recursion {
   const Mechanism<N>& mechanism;
   const std::array<Turn, N>& turns;
-  const Vector<N>& qd;
+  const VectorView<N>& qd;
   EquationsOfMotion<N>& equations;
 
   // Flattened into one function: the recursion is fast if its numbers stay in registers.
@@ -105,7 +105,7 @@ struct Recursion {
     shift<j, layout>(mechanism.offset(j), beyond.moments);
     shift<j, layout>(mechanism.offset(j), beyond.bias);
     // The rotor of joint j spins in arm j-1 with p qd.
-    beyond.bias.torque += mechanism.rotor(j).p_rJ * qd[j] * cross_rotor_axis<j>(w);
+    add_cross_rotor_axis<j>(mechanism.rotor(j).p_rJ * qd[j], w, beyond.bias.torque);
     return {arm + beyond.moments, bias + beyond.bias};
   }
 
@@ -140,26 +140,26 @@ struct Recursion {
     constexpr Axis an = joint_axes[j];
     const Turn& turn = turns[j];
     ArmMotion outer = {rotated_back<j>(turn, inner.w), rotated_back<j>(turn, inner.wd),
-                       rotated_back<j>(turn, inner.a + lift<j>(K))};
-    outer.wd += qd[j] * cross_unit<an>(outer.w);
+                       rotated_back<j>(turn, acceleration_of_joint<j>(inner.a, K))};
+    add_cross_unit<an>(qd[j], outer.w, outer.wd);
     along<an>(outer.w) += qd[j];
     return outer;
   }
 
-  // How the place of joint j accelerates against the origin of arm j-1.
+  // How the place of joint j accelerates, from the origin of arm j-1.
   template <int j>
-  Triple lift(const Gradient& K) const {
+  Triple acceleration_of_joint(const Triple& a, const Gradient& K) const {
     const Triple& r = mechanism.offset(j);
     if constexpr (layout == Layout::anything) {
-      return r.x * K.x + r.y * K.y + r.z * K.z;
+      return a + r.x * K.x + r.y * K.y + r.z * K.z;
     } else if constexpr (is_displaced_in_report(j)) {
-      return r.z * K.z;
+      return a + r.z * K.z;
     } else {
-      return {0, 0, 0};
+      return a;
     }
   }
 
-  // <rn_j, v>, v x rn_j, and v + value rn_j.
+  // <rn_j, v>; and adds value (v x rn_j), or value rn_j.
   template <int j>
   double along_rotor_axis(const Triple& v) const {
     if constexpr (layout == Layout::report) {
@@ -169,19 +169,19 @@ struct Recursion {
     }
   }
   template <int j>
-  Triple cross_rotor_axis(const Triple& v) const {
+  void add_cross_rotor_axis(double value, const Triple& v, Triple& sum) const {
     if constexpr (layout == Layout::report) {
-      return cross_unit<rotor_axes_of_report[j]>(v);
+      add_cross_unit<rotor_axes_of_report[j]>(value, v, sum);
     } else {
-      return cross(v, mechanism.rotor_axis(j));
+      sum += value * cross(v, mechanism.rotor_axis(j));
     }
   }
   template <int j>
-  void add_along_rotor_axis(double value, Triple& v) const {
+  void add_along_rotor_axis(double value, Triple& sum) const {
     if constexpr (layout == Layout::report) {
-      along<rotor_axes_of_report[j]>(v) += value;
+      along<rotor_axes_of_report[j]>(sum) += value;
     } else {
-      v += value * mechanism.rotor_axis(j);
+      sum += value * mechanism.rotor_axis(j);
     }
   }
 
@@ -212,7 +212,7 @@ struct Recursion {
 
 // Of all joints but the first, whose angle has no effect.
 template <int N>
-std::array<Turn, N> turns_of(const Vector<N>& q) {
+std::array<Turn, N> turns_of(const VectorView<N>& q) {
   std::array<double, N - 1> angles;
   for (int j = 1; j < N; ++j) angles[j - 1] = q[j];
   const auto [sine, cosine] = sines_and_cosines<N - 1>(angles);
@@ -224,8 +224,8 @@ std::array<Turn, N> turns_of(const Vector<N>& q) {
 }  // namespace
 
 template <int N>
-EquationsOfMotion<N> equations_of_motion(const Mechanism<N>& mechanism, const Vector<N>& q,
-                                         const Vector<N>& qd) {
+EquationsOfMotion<N> equations_of_motion(const Mechanism<N>& mechanism, const VectorView<N>& q,
+                                         const VectorView<N>& qd) {
   const std::array<Turn, N> turns = turns_of<N>(q);
   EquationsOfMotion<N> equations;
   if (mechanism.has_layout_of_report()) {
@@ -237,23 +237,23 @@ EquationsOfMotion<N> equations_of_motion(const Mechanism<N>& mechanism, const Ve
 }
 
 template <int N>
-Vector<N> forward_dynamics(const Mechanism<N>& mechanism, const Vector<N>& q, const Vector<N>& qd,
-                           const Vector<N>& tau) {
+Vector<N> forward_dynamics(const Mechanism<N>& mechanism, const VectorView<N>& q,
+                           const VectorView<N>& qd, const VectorView<N>& tau) {
   const EquationsOfMotion<N> equations = equations_of_motion(mechanism, q, qd);
   return solution<N>(equations.M, tau - equations.bias);
 }
 
-template EquationsOfMotion<1> equations_of_motion(const Mechanism<1>&, const Vector<1>&,
-                                                  const Vector<1>&);
-template EquationsOfMotion<3> equations_of_motion(const Mechanism<3>&, const Vector<3>&,
-                                                  const Vector<3>&);
-template EquationsOfMotion<6> equations_of_motion(const Mechanism<6>&, const Vector<6>&,
-                                                  const Vector<6>&);
-template Vector<1> forward_dynamics(const Mechanism<1>&, const Vector<1>&, const Vector<1>&,
-                                    const Vector<1>&);
-template Vector<3> forward_dynamics(const Mechanism<3>&, const Vector<3>&, const Vector<3>&,
-                                    const Vector<3>&);
-template Vector<6> forward_dynamics(const Mechanism<6>&, const Vector<6>&, const Vector<6>&,
-                                    const Vector<6>&);
+template EquationsOfMotion<1> equations_of_motion(const Mechanism<1>&, const VectorView<1>&,
+                                                  const VectorView<1>&);
+template EquationsOfMotion<3> equations_of_motion(const Mechanism<3>&, const VectorView<3>&,
+                                                  const VectorView<3>&);
+template EquationsOfMotion<6> equations_of_motion(const Mechanism<6>&, const VectorView<6>&,
+                                                  const VectorView<6>&);
+template Vector<1> forward_dynamics(const Mechanism<1>&, const VectorView<1>&, const VectorView<1>&,
+                                    const VectorView<1>&);
+template Vector<3> forward_dynamics(const Mechanism<3>&, const VectorView<3>&, const VectorView<3>&,
+                                    const VectorView<3>&);
+template Vector<6> forward_dynamics(const Mechanism<6>&, const VectorView<6>&, const VectorView<6>&,
+                                    const VectorView<6>&);
 
 }  // namespace manutec_r3::arm

@@ -20,36 +20,36 @@ struct EquationsOfMotion {
 // Angles and rates of the joints [rad, rad/s]. The angle of joint 1, which is vertical, has no
 // effect.
 template <int N>
-EquationsOfMotion<N> equations_of_motion(const Mechanism<N>& mechanism, const Vector<N>& q,
-                                         const Vector<N>& qd);
+EquationsOfMotion<N> equations_of_motion(const Mechanism<N>& mechanism, const VectorView<N>& q,
+                                         const VectorView<N>& qd);
 
 template <int N>
-Matrix<N> mass_matrix(const Mechanism<N>& mechanism, const Vector<N>& q) {
+Matrix<N> mass_matrix(const Mechanism<N>& mechanism, const VectorView<N>& q) {
   return equations_of_motion<N>(mechanism, q, Vector<N>::Zero()).M.full();
 }
 
 // Joint torques that hold the arms at rest [N m].
 template <int N>
-Vector<N> gravity_torques(const Mechanism<N>& mechanism, const Vector<N>& q) {
+Vector<N> gravity_torques(const Mechanism<N>& mechanism, const VectorView<N>& q) {
   return equations_of_motion<N>(mechanism, q, Vector<N>::Zero()).bias;
 }
 
 // Joint accelerations [rad/s^2] under the joint torques tau [N m].
 template <int N>
-Vector<N> forward_dynamics(const Mechanism<N>& mechanism, const Vector<N>& q, const Vector<N>& qd,
-                           const Vector<N>& tau);
+Vector<N> forward_dynamics(const Mechanism<N>& mechanism, const VectorView<N>& q,
+                           const VectorView<N>& qd, const VectorView<N>& tau);
 
-extern template EquationsOfMotion<1> equations_of_motion(const Mechanism<1>&, const Vector<1>&,
-                                                         const Vector<1>&);
-extern template EquationsOfMotion<3> equations_of_motion(const Mechanism<3>&, const Vector<3>&,
-                                                         const Vector<3>&);
-extern template EquationsOfMotion<6> equations_of_motion(const Mechanism<6>&, const Vector<6>&,
-                                                         const Vector<6>&);
-extern template Vector<1> forward_dynamics(const Mechanism<1>&, const Vector<1>&, const Vector<1>&,
-                                           const Vector<1>&);
-extern template Vector<3> forward_dynamics(const Mechanism<3>&, const Vector<3>&, const Vector<3>&,
-                                           const Vector<3>&);
-extern template Vector<6> forward_dynamics(const Mechanism<6>&, const Vector<6>&, const Vector<6>&,
-                                           const Vector<6>&);
+extern template EquationsOfMotion<1> equations_of_motion(const Mechanism<1>&, const VectorView<1>&,
+                                                         const VectorView<1>&);
+extern template EquationsOfMotion<3> equations_of_motion(const Mechanism<3>&, const VectorView<3>&,
+                                                         const VectorView<3>&);
+extern template EquationsOfMotion<6> equations_of_motion(const Mechanism<6>&, const VectorView<6>&,
+                                                         const VectorView<6>&);
+extern template Vector<1> forward_dynamics(const Mechanism<1>&, const VectorView<1>&,
+                                           const VectorView<1>&, const VectorView<1>&);
+extern template Vector<3> forward_dynamics(const Mechanism<3>&, const VectorView<3>&,
+                                           const VectorView<3>&, const VectorView<3>&);
+extern template Vector<6> forward_dynamics(const Mechanism<6>&, const VectorView<6>&,
+                                           const VectorView<6>&, const VectorView<6>&);
 
 }  // namespace manutec_r3::arm

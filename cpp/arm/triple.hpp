@@ -43,13 +43,15 @@ auto& along(AnyTriple& a) {
   }
 }
 
-// a x e, where e is the unit vector of x or z.
+// Adds s (a x e), where e is the unit vector of x or z.
 template <Axis axis>
-Triple cross_unit(const Triple& a) {
+void add_cross_unit(double s, const Triple& a, Triple& sum) {
   if constexpr (axis == Axis::x) {
-    return {0, a.z, -a.y};
+    sum.y += s * a.z;
+    sum.z -= s * a.y;
   } else {
-    return {a.y, -a.x, 0};
+    sum.x += s * a.y;
+    sum.y -= s * a.x;
   }
 }
 

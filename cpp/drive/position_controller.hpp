@@ -19,7 +19,7 @@ struct PositionController {
 
   // The command u_c [V] to the rate controller.
   PerAxis<N> command(const PerAxis<N>& aq_d, const PerAxis<N>& aqd_d, const PerAxis<N>& rq) const {
-    return k_v * (p * aq_d - rq) + k_d * p * aqd_d;
+    return k_v * (p * aq_d - rq) + k_d * (p * aqd_d);
   }
 };
 

@@ -116,8 +116,8 @@ std::vector<double> angles_at(const Motion& motion, double t) {
 using Values = std::array<double, most_axes>;
 
 void reference_of(const Polynomials& law, double t, int, std::span<Reference> references) {
-  const double x = (t - law.begin) / law.length;
   const double per_second = 1.0 / law.length;
+  const double x = per_second * (t - law.begin);
   const auto& c = law.coefficients;
   // Of all axes, also of those that nobody asks for: together they cost less.
   Values angle, rate;

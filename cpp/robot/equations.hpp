@@ -179,7 +179,7 @@ class Equations {
   };
 
   Dynamics dynamics(double t, const double* x) const {
-    const arm::Vector<N> angle = q(x).matrix(), rate = qd(x).matrix();
+    const Eigen::Map<const arm::Vector<N>> angle(x), rate(x + N);
     Dynamics dynamics = {arm::equations_of_motion<N>(mechanism_, angle, rate), {}, {}};
     if (any_carried_) {
       const arm::CarriedRotors<N> rotors = arm::carried_rotors<N>(mechanism_, angle, rate);
@@ -190,9 +190,9 @@ class Equations {
         dynamics.drift[j] = carried_[j] ? rotors.drift[j] : 0.0;
       }
     }
-    if (const arm::Vector<3> force = tip_force(t); (force.array() != 0.0).any()) {
-      dynamics.arms.bias -=
-          arm::torques_of_force_on_load<N>(robot_.tables().table_3, robot_.load(), angle, force);
+    if (tip_is_pulled()) {
+      dynamics.arms.bias -= arm::torques_of_force_on_load<N>(robot_.tables().table_3, robot_.load(),
+                                                             angle, tip_force(t));
     }
     return dynamics;
   }
@@ -207,10 +207,10 @@ class Equations {
   Accelerations accelerations(const Dynamics& dynamics, const Torques& torques) const {
     const PerAxis<E> drive = (torques.motor - torques.gear - torques.friction).template head<E>();
     const arm::Vector<N> right = (p * torques.gear).matrix() - dynamics.arms.bias;
-    Accelerations result;
-    result.joint = any_carried_ || any_joint_sticks()
-                       ? constrained_joint_accelerations(dynamics, drive, right)
-                       : arm::solution(dynamics.arms.M, right);
+    Accelerations result = {any_carried_ || any_joint_sticks()
+                                ? constrained_joint_accelerations(dynamics, drive, right)
+                                : arm::solution(dynamics.arms.M, right),
+                            {}};
     if (!elastic_) return result;
     for (int j = 0; j < E; ++j) {
       result.rotor[j] = drive[j] / rJ[j];
@@ -262,14 +262,16 @@ class Equations {
   // Flattened into one function, which spares copies of everything that goes from one part to
   // another.
   [[gnu::flatten]] void derivatives(double t, const double* x, double* dx) const {
-    const Accelerations a = accelerations(dynamics(t, x), torques(t, x));
+    const Torques torques = this->torques(t, x);
+    const PerAxis<N> rotor_rate = this->rotor_rate(x);
+    const Accelerations a = accelerations(dynamics(t, x), torques);
     View<N>{dx} = qd(x);
     View<N>{dx + N} = a.joint.array();
     if (elastic_) {
       View<E>{dx + deflection_state_} = deflection_rate(x);
       View<E>{dx + deflection_state_ + E} = a.rotor.array();
     }
-    if (controlled_) axes.derivatives(electrical(x), command(t, x), rotor_rate(x), electrical(dx));
+    if (controlled_) axes.derivatives(electrical(x), command(t, x), rotor_rate, electrical(dx));
   }
 
  private:
@@ -310,6 +312,7 @@ class Equations {
     inputs_.of_axes->evaluate(input_piece, t, values.data());
     return values;
   }
+  bool tip_is_pulled() const { return inputs_.tip_force || (held_tip_force.array() != 0.0).any(); }
   arm::Vector<3> tip_force(double t) const {
     if (!inputs_.tip_force) return held_tip_force;
     arm::Vector<3> force;
