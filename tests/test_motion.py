@@ -455,7 +455,7 @@ class Fails:
         return tent_rate(t)
 
 
-@pytest.mark.parametrize(("method", "n_failures"), [("erk", 12), ("bdf", 4)])
+@pytest.mark.parametrize(("method", "n_failures"), [("exponential", 12), ("erk", 12), ("bdf", 4)])
 def test_what_a_function_raises_comes_out_and_the_simulator_goes_on(method, n_failures):
     robot, asked = r3.Robot(model=4), []
 

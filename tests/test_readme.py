@@ -58,7 +58,7 @@ def test_the_table_of_models_is_right():
 
 
 def test_default_tolerances_are_right():
-    for method in ("erk", "bdf"):
+    for method in ("exponential", "erk", "bdf"):
         (said,) = re.findall(rf'(\S+) for `"{method}"`', README)
         sim = r3.Simulator(r3.Robot(model=2), r3.Hold([0, 0, 0]), method=method)
         assert sim.rtol == float(said)

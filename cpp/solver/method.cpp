@@ -43,12 +43,10 @@ class CollocationOutput final : public hybrid::DenseOutput {
 
 double default_tolerance(Method method) {
   switch (method) {
-    case Method::erk:
-      return 5e-8;
     case Method::bdf:
       return 1e-10;
     default:
-      return 3e-7;
+      return 5e-8;
   }
 }
 

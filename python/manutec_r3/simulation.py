@@ -68,9 +68,10 @@ def simulate(
         each method is the loosest for which control errors and motor torques stay within 1e-6 of
         their range.
     method : {"erk", "bdf", "exponential"}, optional
-        Explicit Runge-Kutta, Verner's 7(6); backward differentiation formulas; or exponential
-        collocation, which propagates drives exactly. Default:
-        ``"erk"``, but ``"bdf"`` for a robot with stiff springs or dampers, which has no other.
+        Explicit Runge-Kutta, Verner's 7(6), from ARKODE; backward differentiation formulas from
+        CVODE; or exponential collocation, which propagates drives exactly and takes a tenth of the
+        evaluations. Default: ``"exponential"``, but ``"bdf"`` for a robot with stiff springs or
+        dampers, which has no other.
     start : {"rotor", "arm"} or array_like (n_states,), optional
         At rest with the rotors, or with the arms, on the reference; or a state. Default: the
         rotors; in the Modelica variant the arms.
@@ -528,8 +529,8 @@ class Simulator(Signals):
     def restore(self, saved: "SavedState") -> None:
         """Go back to where `save` was called, on this simulator or one like it.
 
-        With ``method="erk"`` what follows is bit-identical to what followed then. ``"bdf"``
-        restarts at order 1.
+        What follows is bit-identical to what followed then, but for ``"bdf"``, which restarts at
+        order 1.
 
         Raises
         ------

@@ -15,7 +15,7 @@ class Point(NamedTuple):
 
     Attributes
     ----------
-    method : {"erk", "bdf"}
+    method : {"erk", "bdf", "exponential"}
     rtol : float
     is_default : bool
         Whether `rtol` is what the method takes if nothing is said.
