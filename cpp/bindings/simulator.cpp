@@ -94,11 +94,11 @@ class Simulator {
   hybrid::Simulation::Snapshot save() const { return simulation_.save(); }
   void restore(const hybrid::Simulation::Snapshot& snapshot) { simulation_.restore(snapshot); }
 
-  // What was recorded up to now; the part of the last step that lies ahead is left out.
-  std::shared_ptr<hybrid::Trajectory> trajectory() const {
-    auto recorded = std::make_shared<hybrid::Trajectory>(*trajectory_);
-    recorded->cut(time());
-    return recorded;
+  // The record itself, not a copy, of a run that has come to its end: the part of the last step
+  // that lies ahead is left out.
+  std::shared_ptr<hybrid::Trajectory> trajectory() {
+    trajectory_->cut(time());
+    return trajectory_;
   }
 
  private:

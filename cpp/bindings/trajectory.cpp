@@ -3,6 +3,7 @@
 
 #include <pybind11/stl.h>
 
+#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
@@ -32,8 +33,12 @@ py::tuple as_state(const Trajectory& trajectory) {
   for (const hybrid::Mode& mode : trajectory.modes) {
     modes.append(py::make_tuple(mode.branches, mode.held));
   }
+  std::vector<double> dense;
+  for (const std::vector<double>& of_step : trajectory.dense) {
+    dense.insert(dense.end(), of_step.begin(), of_step.end());
+  }
   return py::make_tuple(as_array(trajectory.begin), as_array(trajectory.end), trajectory.mode,
-                        as_array(trajectory.dense), trajectory.dense_size, modes);
+                        as_array(dense), modes);
 }
 
 Trajectory from_state(const py::tuple& state) {
@@ -41,9 +46,13 @@ Trajectory from_state(const py::tuple& state) {
   trajectory.begin = as_vector(state[0].cast<Array>());
   trajectory.end = as_vector(state[1].cast<Array>());
   trajectory.mode = state[2].cast<std::vector<int>>();
-  trajectory.dense = as_vector(state[3].cast<Array>());
-  trajectory.dense_size = state[4].cast<std::size_t>();
-  for (const py::handle mode : state[5].cast<py::list>()) {
+  const auto dense = state[3].cast<Array>();
+  const py::ssize_t size =
+      trajectory.begin.empty() ? 0 : dense.size() / std::ssize(trajectory.begin);
+  for (py::ssize_t k = 0; k < std::ssize(trajectory.begin); ++k) {
+    trajectory.dense.emplace_back(dense.data() + k * size, dense.data() + (k + 1) * size);
+  }
+  for (const py::handle mode : state[4].cast<py::list>()) {
     const auto entries = mode.cast<py::tuple>();
     trajectory.modes.push_back(
         {entries[0].cast<std::vector<std::int32_t>>(), entries[1].cast<std::vector<double>>()});

@@ -6,18 +6,14 @@
 
 namespace manutec_r3::hybrid {
 
-Step Trajectory::step(std::size_t index) const {
-  const auto first = dense.begin() + static_cast<std::ptrdiff_t>(index * dense_size);
-  return {begin[index], end[index], {first, first + static_cast<std::ptrdiff_t>(dense_size)}};
-}
+Step Trajectory::step(std::size_t index) const { return {begin[index], end[index], dense[index]}; }
 
 void Trajectory::append(const Step& step, const Mode& present) {
   if (modes.empty() || modes.back() != present) modes.push_back(present);
-  dense_size = step.dense.size();
   begin.push_back(step.t0);
   end.push_back(step.t1);
   mode.push_back(static_cast<int>(modes.size()) - 1);
-  dense.insert(dense.end(), step.dense.begin(), step.dense.end());
+  dense.push_back(step.dense);
 }
 
 void Trajectory::cut(double t) {
@@ -26,7 +22,7 @@ void Trajectory::cut(double t) {
     begin.pop_back();
     end.pop_back();
     mode.pop_back();
-    dense.resize(dense.size() - dense_size);
+    dense.pop_back();
   }
   if (!end.empty()) end.back() = std::min(end.back(), t);
 }

@@ -16,8 +16,7 @@ struct Trajectory {
   // event both sides are there: the end of one step, the beginning of the next.
   std::vector<double> begin, end;
   std::vector<int> mode;
-  std::vector<double> dense;  // dense_size values per step
-  std::size_t dense_size = 0;
+  std::vector<std::vector<double>> dense;  // of each step; apart, lest they be moved as they grow
   std::vector<Mode> modes;
 
   std::size_t n_steps() const { return begin.size(); }
