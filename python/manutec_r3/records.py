@@ -24,7 +24,7 @@ class RunRecord:
         What was simulated.
     motion : Motion or None
         Its reference.
-    method : {"erk", "bdf"}
+    method : {"exponential", "erk", "bdf"}
         Integration method.
     rtol : float
         Its tolerance.

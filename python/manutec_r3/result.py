@@ -13,7 +13,7 @@ from .inputs import Inputs
 from .limits import LimitExcess, limit_events, limit_excesses
 from .signals import Signals, signal_names
 
-Method = Literal["erk", "bdf", "exponential"]
+Method = Literal["exponential", "erk", "bdf"]
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ class Result(Samples):
         Its reference; without one `reference_angle`, `reference_rate` and `control_error` are NaN.
     t_end : float
         Where the run ended [s].
-    method : {"erk", "bdf", "exponential"}
+    method : {"exponential", "erk", "bdf"}
         Integration method.
     rtol : float
         Its tolerance, relative to the states' nominal values as well as to their values.

@@ -50,7 +50,7 @@ class Scenario:
         What rests on the reference at first, or the state to start from; see `simulate`.
     rtol : float, optional
         Tolerance relative to the states' nominal values; default: the method's own.
-    method : {"erk", "bdf", "exponential"}, optional
+    method : {"exponential", "erk", "bdf"}, optional
         Integration method; default: the robot's own.
     inputs : dict
         What acts from outside: ``motor_torque``, ``command``, ``tip_force``, ``brakes``; see

@@ -67,11 +67,11 @@ def simulate(
         Tolerance, relative to each state's nominal value as well as to its value. The default of
         each method is the loosest for which control errors and motor torques stay within 1e-6 of
         their range.
-    method : {"erk", "bdf", "exponential"}, optional
-        Explicit Runge-Kutta, Verner's 7(6), from ARKODE; backward differentiation formulas from
-        CVODE; or exponential collocation, which propagates drives exactly and takes a tenth of the
-        evaluations. Default: ``"exponential"``, but ``"bdf"`` for a robot with stiff springs or
-        dampers, which has no other.
+    method : {"exponential", "erk", "bdf"}, optional
+        Exponential collocation, which propagates drives exactly; explicit Runge-Kutta, Verner's
+        7(6), from ARKODE, which takes about ten times the evaluations; or backward differentiation
+        formulas from CVODE. Default: ``"exponential"``, but ``"bdf"`` for a robot with stiff
+        springs or dampers, which has no other.
     start : {"rotor", "arm"} or array_like (n_states,), optional
         At rest with the rotors, or with the arms, on the reference; or a state. Default: the
         rotors; in the Modelica variant the arms.

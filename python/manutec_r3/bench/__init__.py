@@ -6,8 +6,6 @@ installed are left out, with the reason: ``pip install "manutec-r3[bench]"`` bri
 
 from collections.abc import Callable
 
-import manutec_r3
-
 from .arm import forward_dynamics, right_hand_sides
 from .report import Row, Table, for_markdown, for_terminal, machine
 from .runs import figure9, full_robot, many_runs, recording, sampled
@@ -20,8 +18,7 @@ PARTS: dict[str, Callable[[int], Table]] = {
     "sampled": sampled,
     "full-robot": full_robot,
     "recording": recording,
+    "many-runs": many_runs,
 }
-if hasattr(manutec_r3, "simulate_many"):
-    PARTS["many-runs"] = many_runs
 
 __all__ = ["PARTS", "Row", "Table", "for_markdown", "for_terminal", "machine"]

@@ -15,7 +15,7 @@ class Point(NamedTuple):
 
     Attributes
     ----------
-    method : {"erk", "bdf", "exponential"}
+    method : {"exponential", "erk", "bdf"}
     rtol : float
     is_default : bool
         Whether `rtol` is what the method takes if nothing is said.

@@ -182,9 +182,7 @@ def machine() -> dict[str, str]:
 
 
 def _build() -> dict[str, str]:
-    """Compiler and options of the core, if it knows them."""
-    if not hasattr(r3, "build_info"):
-        return {}
+    """Compiler and options of the core."""
     info = r3.build_info()
     return {"built for": info.processor, "compiler": info.compiler, "options": info.flags}
 
