@@ -1,6 +1,4 @@
 // Many tasks on several threads: each is done once, what goes wrong ends the work, no thread stays.
-#include "workers/for_each.hpp"
-
 #include <atomic>
 #include <chrono>
 #include <mutex>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "check.hpp"
+#include "workers/for_each.hpp"
 
 namespace manutec_r3::testing {
 namespace {
