@@ -42,24 +42,24 @@ void CollocationBlocks::refresh() {
 
 void CollocationBlocks::gather(const Block& block, const double* x, const double* inputs, int count,
                                double* coefficients) const {
-  const auto& [states, watched, L, B, n_constants, n_forcing, n_remainder] = *block.equations;
-  for (const int state : states) *coefficients++ = x[state];
-  for (int i = 0; i < n_constants; ++i) *coefficients++ = constants_[block.first_constant + i];
-  for (int k = 0; k < count; ++k) {
-    const double* forcing = inputs + k * n_inputs_ + block.first_forcing;
-    for (int i = 0; i < n_forcing; ++i) *coefficients++ = forcing[i];
-  }
-  for (int k = 0; k < count; ++k) {
-    const double* remainder = inputs + k * n_inputs_ + block.first_remainder;
-    for (int i = 0; i < n_remainder; ++i) *coefficients++ = remainder[i];
-  }
+  const hybrid::LinearBlock& equations = *block.equations;
+  for (const int state : equations.states) *coefficients++ = x[state];
+  const double* constants = &constants_[block.first_constant];
+  for (int i = 0; i < equations.n_constants; ++i) *coefficients++ = constants[i];
+  const auto gather_inputs = [&](const double* input, int n) {
+    for (int k = 0; k < count; ++k, input += n_inputs_) {
+      for (int i = 0; i < n; ++i) *coefficients++ = input[i];
+    }
+  };
+  gather_inputs(inputs + block.first_forcing, equations.n_forcing);
+  gather_inputs(inputs + block.first_remainder, equations.n_remainder);
 }
 
 void CollocationBlocks::derivatives(const double* x, const double* inputs, double* dx) const {
   std::array<double, most_columns> coefficients;
   for (const Block& block : blocks_) {
     gather(block, x, inputs, 1, coefficients.data());
-    BlockState of_block{};
+    BlockState of_block;
     block.propagator->derivatives(coefficients.data(), of_block.data());
     scatter(block, of_block.data(), dx);
   }

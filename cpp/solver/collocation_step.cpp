@@ -52,7 +52,7 @@ void CollocationStep::expand(const hybrid::Step& step, double after) {
       find_derivatives_of_inputs(base_, interval_);
       for (const CollocationBlocks::Block& block : blocks_) {
         blocks_.gather(block, x_.data(), derivatives_.data(), n_nodes, coefficients.data());
-        BlockState advanced{};
+        BlockState advanced;
         block.propagator->advance(rung, coefficients.data(), advanced.data());
         blocks_.scatter(block, advanced.data(), x_.data());
       }

@@ -41,6 +41,7 @@ ExponentialCollocation::ExponentialCollocation(hybrid::System& system, double re
       record_(system.n_states(), blocks_),
       inside_(system.n_states(), blocks_),
       x_(system.n_states()),
+      per_tolerance_(system.n_states()),
       matrices_(blocks_.size()),
       inputs_(n_nodes * blocks_.n_inputs()),
       sensitivity_(blocks_.n_inputs()),
@@ -92,6 +93,10 @@ void ExponentialCollocation::remember(const hybrid::Step& step) {
 void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1) {
   begin_ = t_;
   std::copy_n(remainder_at(t_, x_.data()), n_remainder(), remainder_at(0));
+  const auto nominals = system_.nominals();
+  for (std::size_t s = 0; s < x_.size(); ++s) {
+    per_tolerance_[s] = 1.0 / (tolerance_ * (nominals[s] + std::abs(x_[s])));
+  }
   const double remaining = stop - t_;
   for (int rung = rung_;;) {
     // No longer than it takes to reach the stop.
@@ -134,8 +139,8 @@ void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1
     inside_.evaluate(step, stop, x1);
   } else {
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
-      BlockState ended{};
-      matrices_[b]->end.add_product(of_block_[b].coefficients.data(), ended.data());
+      BlockState ended;
+      matrices_[b]->end.product(of_block_[b].coefficients.data(), ended.data());
       blocks_.scatter(blocks_[b], ended.data(), x1);
     }
   }
@@ -194,15 +199,12 @@ void ExponentialCollocation::use_length(double interval) {
 // By how much an error of each input, constant over the step, would change the states, in units of
 // their tolerances.
 void ExponentialCollocation::set_sensitivities() {
-  const auto nominals = system_.nominals();
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const CollocationBlocks::Block& block = blocks_[b];
     const std::vector<int>& states = block.equations->states;
     const int n = static_cast<int>(states.size());
     BlockState per_tolerance;
-    for (int k = 0; k < n; ++k) {
-      per_tolerance[k] = 1.0 / (tolerance_ * (nominals[states[k]] + std::abs(x_[states[k]])));
-    }
+    for (int k = 0; k < n; ++k) per_tolerance[k] = per_tolerance_[states[k]];
     const double* gain = matrices_[b]->gains.data();
     const auto set = [&](double& sensitivity) {
       sensitivity = 0.0;
@@ -249,8 +251,7 @@ void ExponentialCollocation::prepare_states() {
     blocks_.gather(blocks_[b], x_.data(), inputs_.data(), n_nodes, coefficients.data());
     const int in_sweeps = input_degree * blocks_[b].equations->n_remainder;
     const int in_common = blocks_[b].propagator->columns() - in_sweeps;
-    std::ranges::fill(settled, 0.0);
-    matrices_[b]->watched.add_product(0, in_common, coefficients.data(), settled.data());
+    matrices_[b]->watched.product(in_common, coefficients.data(), settled.data());
   }
 }
 
@@ -312,8 +313,7 @@ double ExponentialCollocation::interpolation_error() const {
 void ExponentialCollocation::find_rates() {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     auto& [coefficients, settled, watched, rates] = of_block_[b];
-    std::ranges::fill(rates, 0.0);
-    matrices_[b]->rates.add_product(coefficients.data(), rates.data());
+    matrices_[b]->rates.product(coefficients.data(), rates.data());
   }
 }
 

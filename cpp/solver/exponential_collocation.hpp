@@ -77,6 +77,7 @@ class ExponentialCollocation final : public hybrid::Integrator {
   // The step in work, or the latest.
   double begin_ = 0.0;
   double interval_ = 0.0;
+  std::vector<double> per_tolerance_;  // of each state
   Matrices matrices_;
   std::vector<StepMatrices> made_to_measure_;
   std::vector<double> inputs_;       // node by node

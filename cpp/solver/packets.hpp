@@ -30,34 +30,38 @@ class PacketMatrix {
   int columns() const { return columns_; }
 
   // y = y0 + columns first, first + 1, ... times `count` coefficients; padded_rows numbers each.
+  // Without y0 it is zero.
   void add_product(int first, int count, const double* coefficients, const double* y0,
                    double* y) const {
     const double* A = entries_.data() + first * rows_;
+    const auto from = [y0](int row) { return y0 == nullptr ? nullptr : y0 + row; };
     int row = 0;
     for (; row + 8 * packet_size <= rows_; row += 8 * packet_size) {
-      add_rows<8>(A + row, count, coefficients, y0 + row, y + row);
+      add_rows<8>(A + row, count, coefficients, from(row), y + row);
     }
     switch ((rows_ - row) / packet_size) {
       case 1:
-        return add_rows<1>(A + row, count, coefficients, y0 + row, y + row);
+        return add_rows<1>(A + row, count, coefficients, from(row), y + row);
       case 2:
-        return add_rows<2>(A + row, count, coefficients, y0 + row, y + row);
+        return add_rows<2>(A + row, count, coefficients, from(row), y + row);
       case 3:
-        return add_rows<3>(A + row, count, coefficients, y0 + row, y + row);
+        return add_rows<3>(A + row, count, coefficients, from(row), y + row);
       case 4:
-        return add_rows<4>(A + row, count, coefficients, y0 + row, y + row);
+        return add_rows<4>(A + row, count, coefficients, from(row), y + row);
       default:
         for (; row < rows_; row += packet_size) {
-          add_rows<1>(A + row, count, coefficients, y0 + row, y + row);
+          add_rows<1>(A + row, count, coefficients, from(row), y + row);
         }
     }
   }
   void add_product(int first, int count, const double* coefficients, double* y) const {
     add_product(first, count, coefficients, y, y);
   }
-  void add_product(const double* coefficients, double* y) const {
-    add_product(0, columns_, coefficients, y, y);
+  // y = columns 0, 1, .. times `count` coefficients.
+  void product(int count, const double* coefficients, double* y) const {
+    add_product(0, count, coefficients, nullptr, y);
   }
+  void product(const double* coefficients, double* y) const { product(columns_, coefficients, y); }
 
  private:
   // So many packets stay in registers meanwhile.
@@ -66,7 +70,9 @@ class PacketMatrix {
                 double* y) const {
     using Packet = Eigen::Array<double, packet_size, 1>;
     std::array<Packet, packets> sum;
-    for (int p = 0; p < packets; ++p) sum[p] = Packet::Map(y0 + p * packet_size);
+    for (int p = 0; p < packets; ++p) {
+      sum[p] = y0 == nullptr ? Packet(Packet::Zero()) : Packet(Packet::Map(y0 + p * packet_size));
+    }
     for (int c = 0; c < count; ++c, A += rows_) {
       for (int p = 0; p < packets; ++p) {
         sum[p] += Packet::Map(A + p * packet_size) * coefficients[c];

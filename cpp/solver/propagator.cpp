@@ -49,8 +49,7 @@ MatrixXd product(const MatrixXd& a, const MatrixXd& b) {
   MatrixXd result = MatrixXd::Zero(a.rows(), b.cols());
   BlockState column;
   for (int c = 0; c < b.cols(); ++c) {
-    column.fill(0.0);
-    packed.add_product(&b(0, c), column.data());
+    packed.product(&b(0, c), column.data());
     std::copy_n(column.data(), a.rows(), &result(0, c));
   }
   return result;
@@ -189,7 +188,7 @@ MatrixXd Propagator::in_columns_of_nodes(const Exact& exact, double d) const {
 
 void Propagator::advance(int rung, const double* coefficients, double* x) const {
   if (rung < n_rungs()) {
-    ladder_[rung].add_product(coefficients, x);
+    ladder_[rung].product(coefficients, x);
     return;
   }
   std::array<double, n_terms * most_states> terms;
@@ -203,12 +202,12 @@ void Propagator::expand(const double* coefficients, double* terms) const {
   const double* constants = coefficients + n;
   const double* forcing = constants + n_c;
   const double* remainder = forcing + n_nodes * n_f;
-  std::fill_n(terms, n_terms * rows, 0.0);
   std::copy_n(coefficients, n, terms);
+  std::fill(terms + n, terms + rows, 0.0);
   // x^(i+1) = L x^(i) + B u^(i), for now without 1/i!
   for (int i = 0; i + 1 < n_terms; ++i) {
     double* next = terms + (i + 1) * rows;
-    equations_.add_product(0, n, terms + i * rows, next);
+    equations_.product(n, terms + i * rows, next);
     if (i == 0) equations_.add_product(n, n_c, constants, next);
     if (i < n_nodes) {
       equations_.add_product(n + n_c, n_f, forcing + i * n_f, next);
@@ -222,10 +221,13 @@ void Propagator::expand(const double* coefficients, double* terms) const {
 }
 
 void Propagator::sum(const double* terms, double time, double* x) const {
+  // Horner's rule, a packet of states at a time.
+  using Packet = Eigen::Array<double, packet_size, 1>;
   const int rows = padded_states();
-  std::copy_n(terms + (n_terms - 1) * rows, rows, x);
-  for (int i = n_terms - 2; i >= 0; --i) {
-    for (int s = 0; s < rows; ++s) x[s] = x[s] * time + terms[i * rows + s];
+  for (int row = 0; row < rows; row += packet_size) {
+    Packet sum = Packet::Map(terms + (n_terms - 1) * rows + row);
+    for (int i = n_terms - 2; i >= 0; --i) sum = sum * time + Packet::Map(terms + i * rows + row);
+    Packet::Map(x + row) = sum;
   }
 }
 

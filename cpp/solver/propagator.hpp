@@ -68,7 +68,7 @@ class Propagator {
   // The derivatives dx (padded) of the states, for inputs at the same instant: coefficients are
   // states, constants, forcing, remainder.
   void derivatives(const double* coefficients, double* dx) const {
-    equations_.add_product(coefficients, dx);
+    equations_.product(coefficients, dx);
   }
 
   // Of steps with intervals on this rung; made when first asked for, by any thread.

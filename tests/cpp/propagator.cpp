@@ -82,8 +82,8 @@ TEST(InputsOfEveryDegreeAndKindAreIntegratedExactly) {
         std::vector<double> coefficients(propagator.columns(), 0.0);
         for (int l = 0; l < n_nodes; ++l) coefficients[first + l] = std::pow(l * d, q);
         std::array<double, 16> watched{}, rates{};
-        step.watched.add_product(coefficients.data(), watched.data());
-        step.rates.add_product(coefficients.data(), rates.data());
+        step.watched.product(coefficients.data(), watched.data());
+        step.rates.product(coefficients.data(), rates.data());
         for (int node = 1; node < n_nodes; ++node) {
           const double t = node * d;
           const double expected = lag_after(a, t, q);
@@ -93,7 +93,7 @@ TEST(InputsOfEveryDegreeAndKindAreIntegratedExactly) {
                      1e-12 * scale * (a + 1.0 / d));
         }
         solver::BlockState end{};
-        step.end.add_product(coefficients.data(), end.data());
+        step.end.product(coefficients.data(), end.data());
         CHECK_NEAR(end[0], lag_after(a, input_degree * d, q),
                    1e-13 * std::pow(input_degree * d, q + 1));
       }
@@ -102,7 +102,7 @@ TEST(InputsOfEveryDegreeAndKindAreIntegratedExactly) {
     std::vector<double> coefficients(propagator.columns(), 0.0);
     coefficients[1] = 1.0;
     solver::BlockState end{};
-    step.end.add_product(coefficients.data(), end.data());
+    step.end.product(coefficients.data(), end.data());
     CHECK_NEAR(end[0], lag_after(a, input_degree * d, 0), 1e-15);
   }
 }
@@ -115,7 +115,7 @@ TEST(FastOscillationsAreExactOverManyOfTheirPeriods) {
     std::vector<double> coefficients(propagator.columns(), 0.0);
     coefficients[0] = 1.0;
     solver::BlockState end{};
-    propagator.step(0).end.add_product(coefficients.data(), end.data());
+    propagator.step(0).end.product(coefficients.data(), end.data());
     const double w_d = w * std::sqrt(1.0 - D * D), decay = std::exp(-D * w * t);
     const double expected = decay * (std::cos(w_d * t) + D * w / w_d * std::sin(w_d * t));
     CHECK_NEAR(end[0], expected, 1e-12);  // ten doublings of roundoff
@@ -130,8 +130,8 @@ TEST(AStepMadeToMeasureIsLikeOneOfTheLadder) {
   std::vector<double> coefficients(propagator.columns());
   for (std::size_t k = 0; k < coefficients.size(); ++k) coefficients[k] = std::cos(1.0 + k);
   solver::BlockState left{}, right{};
-  propagator.step(1).end.add_product(coefficients.data(), left.data());
-  measured.end.add_product(coefficients.data(), right.data());
+  propagator.step(1).end.product(coefficients.data(), left.data());
+  measured.end.product(coefficients.data(), right.data());
   for (int s = 0; s < 3; ++s) CHECK_NEAR(left[s], right[s], 1e-13 * 5500.0);
 }
 
