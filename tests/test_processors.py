@@ -15,10 +15,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from oracle_runs import ranges, sequence, times_of
+from oracle_runs import times_of
 
 import manutec_r3 as r3
 from manutec_r3 import processor
+from manutec_r3.accuracy import ranges, sequence
 
 CPU = Path("/proc/cpuinfo")
 

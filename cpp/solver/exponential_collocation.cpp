@@ -92,6 +92,7 @@ void ExponentialCollocation::remember(const hybrid::Step& step) {
 
 void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1) {
   begin_ = t_;
+  write_record(step);  // of a step that cannot be begun at least the beginning
   std::copy_n(remainder_at(t_, x_.data()), n_remainder(), remainder_at(0));
   const auto nominals = system_.nominals();
   for (std::size_t s = 0; s < x_.size(); ++s) {
@@ -125,14 +126,9 @@ void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1
   ++work_.steps;
   find_rates();
 
-  step.dense.resize(record_.size);
-  step.dense[record_.begin] = begin_;
-  step.dense[record_.interval] = interval_;
-  std::ranges::copy(x_, &step.dense[record_.x]);
-  std::ranges::copy(inputs_, &step.dense[record_.inputs]);
+  write_record(step);
   const double end = begin_ + input_degree * interval_;
-  const double tiny = hybrid::simultaneous(stop);
-  step.t0 = begin_;
+  const double tiny = std::isfinite(stop) ? hybrid::simultaneous(stop) : 0.0;
   step.t1 = end >= stop - tiny ? stop : end;
   remember(step);
   if (end > stop + tiny) {
@@ -152,6 +148,15 @@ void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1
   if (end <= stop + tiny) n_looks_ = input_degree;
   t_ = step.t1;
   std::copy_n(x1, x_.size(), x_.begin());
+}
+
+void ExponentialCollocation::write_record(hybrid::Step& step) const {
+  step.t0 = begin_;
+  step.dense.resize(record_.size);
+  step.dense[record_.begin] = begin_;
+  step.dense[record_.interval] = interval_;
+  std::ranges::copy(x_, &step.dense[record_.x]);
+  std::ranges::copy(inputs_, &step.dense[record_.inputs]);
 }
 
 // Finds the remainders at the nodes. Gives the error in units of the tolerance.

@@ -47,6 +47,7 @@ class ExponentialCollocation final : public hybrid::Integrator {
   using Matrices = std::vector<const StepMatrices*>;
 
   double attempt();
+  void write_record(hybrid::Step& step) const;
   void use_rung(int rung);
   void use_length(double interval);
   void set_sensitivities();
@@ -76,7 +77,7 @@ class ExponentialCollocation final : public hybrid::Integrator {
 
   // The step in work, or the latest.
   double begin_ = 0.0;
-  double interval_ = 0.0;
+  double interval_ = Propagator::longest;
   std::vector<double> per_tolerance_;  // of each state
   Matrices matrices_;
   std::vector<StepMatrices> made_to_measure_;
