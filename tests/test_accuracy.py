@@ -95,6 +95,18 @@ def test_by_default_all_other_signals_are_exact_to_1e_5_of_their_range(name, met
         assert error <= 1e-5, signal
 
 
+@pytest.mark.parametrize("name", ["section-10", "3-sampled", "full-robot", "light"])
+def test_a_tighter_tolerance_gives_a_smaller_error(name):
+    errors = []
+    for rtol in (1e-5, 1e-7, 1e-9):
+        result = SENSITIVE[name](rtol=rtol, method="erk")
+        found = worst(result, exact(name), JUDGED, inside_steps(result))
+        errors.append(max(found.values()))
+    # Measured: a hundredth or less of the error for a hundredth of the tolerance. Ten times that.
+    assert errors[1] <= 0.1 * errors[0]
+    assert errors[2] <= 0.1 * errors[1]
+
+
 # --- the sequence of events -----------------------------------------------------------------------
 
 TOLERANCES = [1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11]
