@@ -112,25 +112,32 @@ def test_a_tighter_tolerance_gives_a_smaller_error(name):
 TOLERANCES = [1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11]
 
 
+@pytest.mark.parametrize("method", ["exponential", "erk"])
 @pytest.mark.parametrize("name", RUNS)
-def test_the_sequence_of_events_does_not_depend_on_the_tolerance(name):
-    runs = [RUNS[name].simulate(rtol=rtol) for rtol in TOLERANCES]
+def test_the_sequence_of_events_does_not_depend_on_the_tolerance(name, method):
+    runs = [RUNS[name].simulate(rtol=rtol, method=method) for rtol in TOLERANCES]
     for run in runs:
         assert sequence(run.events) == sequence(runs[-1].events)
     times = [times_of(run.events) for run in runs]
     errors = [np.abs(t - times[-1]).max(initial=0.0) for t in times]
-    # Measured: 1.3e-7 s at the loosest tolerance, 7e-12 s at 1e-9, 2.4e-12 s at 1e-10. Steps are
-    # limited by stability there: errors of a single run may by luck be smaller than the next one's.
-    # Without controllers the tolerance alone limits them: 1e-6 s, 1.1e-10 s, 1e-11 s. Ten times it.
+    # Measured: 1.7e-5 s at the loosest tolerance, 3e-9 s at 1e-9, 3e-10 s at 1e-10. Explicit
+    # steps are limited by stability there: 1.3e-7 s, 7e-12 s, 2.4e-12 s; errors of a single run may
+    # by luck be smaller than the next one's. Without controllers the tolerance alone limits them,
+    # too: 1e-6 s, 1.1e-10 s, 1e-11 s. Ten times it.
     free = RUNS[name].options.get("controller", "continuous") is None
-    assert errors[0] <= (1e-5 if free else 1.3e-6)
-    assert errors[4] <= (1e-9 if free else 7e-11)
-    assert errors[5] <= (1e-10 if free else 2.4e-11)
+    bounds = (1.3e-6, 7e-11, 2.4e-11)
+    if free:
+        bounds = (1e-5, 1e-9, 1e-10)
+    if method == "exponential":
+        bounds = (1.7e-4, 3e-8, 3e-9)
+    assert errors[0] <= bounds[0]
+    assert errors[4] <= bounds[1]
+    assert errors[5] <= bounds[2]
 
 
 @pytest.mark.parametrize(
     # Left out are three whose order really hangs on the accuracy that BDF has at loose tolerances:
-    # in "3-trapezoid" two dead zones open at one instant, which only ERK hits exactly; in
+    # in "3-trapezoid" two dead zones open at one instant, which BDF does not hit exactly; in
     # "3-hold-disturbed" gear 1 comes to lie against the edge of its backlash for ever; and
     # "4-contact-landing" ends just before gear 1 meets its edge.
     "name",
@@ -176,7 +183,7 @@ def test_recorded_times_change_nothing(method):
     assert recorded == set(times) | set(plain.events.time)
 
 
-@pytest.mark.parametrize("method", ["exponential", "erk", "bdf"])
+@pytest.mark.parametrize("method", ["erk", "bdf"])
 def test_steps_of_the_user_change_nothing(method):
     run = RUNS["3-quintic"]
     plain = run.simulate(method=method)

@@ -937,7 +937,10 @@ BAD = [
     (lambda: simulate(r3.Robot("one-axis"), None), r"motion: expected a motion .*, got None"),
     (lambda: simulate(rtol=0.0), r"rtol: expected .*1e-14 to 1e-2, got 0"),
     (lambda: simulate(rtol=NAN), r"rtol: expected .*finite.*got nan"),
-    (lambda: simulate(method="euler"), r"method: expected one of 'exponential', 'erk', 'bdf', got 'euler'"),
+    (
+        lambda: simulate(method="euler"),
+        r"method: expected one of 'exponential', 'erk', 'bdf', got 'euler'",
+    ),
     (
         lambda: simulate(r3.Robot(stiction="stiff-spring"), method="erk"),
         r"method: expected 'bdf' for stiction='stiff-spring', .*, got 'erk'",

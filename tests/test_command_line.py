@@ -77,7 +77,7 @@ def test_the_archive_holds_the_whole_run_without_pickles(command, tmp_path):
         assert tuple(archive["state_names"]) == tuple(result.robot.state_names)
         assert tuple(archive["state_units"]) == tuple(result.robot.state_units)
         assert archive["scenario"] == SHORT
-        assert archive["method"] == "exponential"
+        assert archive["method"] == "erk"
         assert float(archive["rtol"]) == 1e-6
         assert archive["version"] == version("manutec-r3")
 

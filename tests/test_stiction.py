@@ -437,9 +437,11 @@ def test_brakes_hold_exactly_whatever_holds_sticking_axes(stiction):
 def test_springs_and_dampers_are_integrated_by_the_implicit_method_alone(stiction):
     robot, motion = r3.Robot(3, stiction=stiction), r3.Hold(np.zeros(6))
     assert r3.Simulator(robot, motion).method == "bdf"
-    assert r3.Simulator(r3.Robot(3), motion).method == "exponential"
+    assert r3.Simulator(r3.Robot(3), motion).method == "erk"
     for method in ("exponential", "erk"):
-        message = f"^method: expected 'bdf' for stiction='{stiction}', which is stiff, got '{method}'$"
+        message = (
+            f"^method: expected 'bdf' for stiction='{stiction}', which is stiff, got '{method}'$"
+        )
         with pytest.raises(ValueError, match=message):
             r3.Simulator(robot, motion, method=method)
 

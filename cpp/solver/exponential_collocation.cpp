@@ -23,6 +23,9 @@ constexpr double first_contraction = 0.05;
 constexpr double hopeless = 100.0;
 // Intervals twice as long make the error 2^5 times as large; some of it is left as a reserve.
 constexpr double allows_twice_as_long = 0.35 / 32.0;
+// Inputs that changed by less than this part of the tolerance in the step before are predicted not
+// to change: their polynomials are roundoff, which extrapolation would let grow from step to step.
+constexpr double negligible = 0.01;
 // Polynomials of the step before are not trusted further than so many intervals beyond it.
 constexpr double furthest_prediction = input_degree + 8.0;
 
@@ -45,6 +48,7 @@ ExponentialCollocation::ExponentialCollocation(hybrid::System& system, double re
       matrices_(blocks_.size()),
       inputs_(n_nodes * blocks_.n_inputs()),
       sensitivity_(blocks_.n_inputs()),
+      changes_(n_remainder()),
       scratch_inputs_(blocks_.n_inputs()),
       scratch_rates_(system.n_states()),
       of_block_(blocks_.size()),
@@ -238,13 +242,23 @@ void ExponentialCollocation::predict() {
     return weights;
   };
   const auto now = weights_at(begin_);
+  const double* before = &before_.inputs[blocks_.n_forcing()];
+  const double* sensitivity = &sensitivity_[blocks_.n_forcing()];
+  for (int i = 0; i < n; ++i) {
+    double change = 0.0;
+    for (int l = 1; l < n_nodes; ++l) {
+      change = std::max(change, std::abs(before[l * blocks_.n_inputs() + i] - before[i]));
+    }
+    changes_[i] = change * sensitivity[i] > negligible ? 1.0 : 0.0;
+  }
   for (int node = 1; node < n_nodes; ++node) {
     const auto then = weights_at(begin_ + node * interval_);
     double* of_node = remainder_at(node);
     std::copy_n(remainder_at(0), n, of_node);
     for (int l = 0; l < n_nodes; ++l) {
-      const double* before = &before_.inputs[l * blocks_.n_inputs() + blocks_.n_forcing()];
-      for (int i = 0; i < n; ++i) of_node[i] += (then[l] - now[l]) * before[i];
+      const double* of_before = before + l * blocks_.n_inputs();
+      const double weight = then[l] - now[l];
+      for (int i = 0; i < n; ++i) of_node[i] += changes_[i] * weight * of_before[i];
     }
   }
 }

@@ -83,6 +83,7 @@ class ExponentialCollocation final : public hybrid::Integrator {
   std::vector<StepMatrices> made_to_measure_;
   std::vector<double> inputs_;       // node by node
   std::vector<double> sensitivity_;  // of each input
+  std::vector<double> changes_;      // 1 for each remainder that is predicted to change, else 0
   std::vector<double> scratch_inputs_, scratch_rates_;
   // Block by block: coefficients; watched states at nodes 1 to 4 without and with the remainders
   // there; their rates.

@@ -69,9 +69,9 @@ def simulate(
         their range.
     method : {"exponential", "erk", "bdf"}, optional
         Exponential collocation, which propagates drives exactly; explicit Runge-Kutta, Verner's
-        7(6), from ARKODE, which takes about ten times the evaluations; or backward differentiation
-        formulas from CVODE. Default: ``"exponential"``, but ``"bdf"`` for a robot with stiff
-        springs or dampers, which has no other.
+        7(6), from ARKODE, which takes about six times the evaluations; or backward differentiation
+        formulas from CVODE. Default: ``"erk"``, but ``"bdf"`` for a robot with stiff springs or
+        dampers, which has no other.
     start : {"rotor", "arm"} or array_like (n_states,), optional
         At rest with the rotors, or with the arms, on the reference; or a state. Default: the
         rotors; in the Modelica variant the arms.
@@ -570,7 +570,7 @@ def _method(robot: Robot, method: Method | None) -> Method:
     """Return the method asked for, or the robot's own."""
     is_stiff = robot.stiction != "exact"
     if method is None:
-        return "bdf" if is_stiff else "exponential"
+        return "bdf" if is_stiff else "erk"
     if method not in get_args(Method):
         names = ", ".join(map(repr, get_args(Method)))
         raise ValueError(f"method: expected one of {names}, got {method!r}")

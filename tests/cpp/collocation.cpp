@@ -239,7 +239,8 @@ TEST(ADoubleCrossingBetweenNodesIsFound) {
     const auto expected = arrival(lowest + depth, Method::erk, 1e-12);
     CHECK(found.has_value() && expected.has_value());
     // Angles that differ by 1e-11 arrive at different times, the more so the lower they graze.
-    if (found && expected) CHECK_NEAR(*found, *expected, 1e-11 / std::sqrt(2.0 * PushedPendulum::G * depth));
+    if (found && expected)
+      CHECK_NEAR(*found, *expected, 1e-11 / std::sqrt(2.0 * PushedPendulum::G * depth));
     CHECK(!arrival(lowest - depth, Method::exponential, 1e-12));
   }
 }
