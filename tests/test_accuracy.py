@@ -100,7 +100,7 @@ def test_a_tighter_tolerance_gives_a_smaller_error(name):
     errors = []
     for rtol in (1e-5, 1e-7, 1e-9):
         result = SENSITIVE[name](rtol=rtol, method="erk")
-        found = worst(result, exact(name), JUDGED, inside_steps(result))
+        found = largest_errors(result.at(inside_steps(result)), exact(name))
         errors.append(max(found.values()))
     # Measured: a hundredth or less of the error for a hundredth of the tolerance. Ten times that.
     assert errors[1] <= 0.1 * errors[0]

@@ -105,8 +105,8 @@ def energies(samples, robot):
 
 @pytest.mark.parametrize(
     # Promised are 1e-8 of the energy turned over at this tolerance and 1e-5 at the defaults;
-    # measured are 9e-14 (erk), and 4e-10 (exponential), 4e-11 (erk) and 2e-10 (bdf; where little moves
-    # 2.4e-9). Ten times as much may be lost.
+    # measured are 9e-14 (erk), and 4e-10 (exponential), 4e-11 (erk) and 2e-10 (bdf; 2.4e-9 where
+    # little moves). Ten times as much may be lost.
     ("options", "share"),
     [
         ({"method": "exponential"}, 4e-9),
