@@ -19,7 +19,7 @@ ROBOTS = {
     "3": r3.Robot(3, LOAD),
     "3 sampled": r3.Robot(3, LOAD, controller="sampled"),
     "3 full, contact": r3.Robot(3, LOAD, rotor_coupling="full", gear_damping="contact"),
-    "3 limited": r3.Robot(3, LOAD, voltage_limit=2.0),
+    "3 limited": r3.Robot(3, LOAD, voltage_limit=6.0),
     "4": r3.Robot(4, LOAD),
     "full-robot": r3.Robot("full-robot"),
 }
