@@ -105,14 +105,14 @@ def energies(samples, robot):
 
 @pytest.mark.parametrize(
     # Promised are 1e-8 of the energy turned over at this tolerance and 1e-5 at the defaults;
-    # measured are 9e-14 (erk), and 4e-10 (exponential), 4e-11 (erk) and 2e-10 (bdf; 2.4e-9 where
-    # little moves). Ten times as much may be lost.
+    # measured are 9e-14 (erk), and 4e-10 (exponential), 4e-11 (erk) and 2e-10 (bdf). Ten times as
+    # much may be lost.
     ("options", "share"),
     [
         ({"method": "exponential"}, 4e-9),
         ({"rtol": 1e-11}, 1e-12),
         ({}, 4e-10),
-        ({"method": "bdf"}, 4e-9),
+        ({"method": "bdf"}, 2e-9),
     ],
     ids=["exponential", "erk 1e-11", "erk", "bdf"],
 )
@@ -121,8 +121,10 @@ def test_power_balance_closes(name, options, share):
     run = RUNS[name]
     books = balance(run.simulate(**options), run.independent_robot, run.inputs.get("tip_force"))
     # Of a robot that hardly moves the motors turn over less than 0.1 J, while the energies whose
-    # differences are taken are hundreds of joules: it is judged as if they turned over one.
-    assert books.gap <= share * max(books.turned_over, 1.0)
+    # differences are taken are hundreds of joules: it is judged as if they turned over one; if it is
+    # only pushed (2.4e-9 J are lost with bdf), two.
+    least = 2.0 if name == "3-pushed" else 1.0
+    assert books.gap <= share * max(books.turned_over, least)
 
 
 @pytest.mark.parametrize("name", [name for name in MOVING if name[0] in "34"] + ["section-10"])

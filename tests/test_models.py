@@ -38,10 +38,11 @@ def test_signals_are_those_of_the_independent_implementation(pair, signal):
     if np.isnan(wanted).any():  # without a controller, or a motion
         np.testing.assert_array_equal(got, wanted)
         return
-    # 1e-6 of the range is what the package promises at this tolerance; 3e-10 is what it does, but
-    # 6e-9 once for the acceleration of axis 6. Where nothing moves, noise of 2e-11 is left. A few
-    # times that.
-    assert np.max(np.abs(got - wanted) - 2e-8 * ranges(wanted)) <= 2e-10
+    # 1e-6 of the range is what the package promises at this tolerance; 3e-10 is what it does, and
+    # 6e-9 for the acceleration of axis 6 under a push. Where nothing moves, noise of 2e-11 is left.
+    # Ten times that, of the acceleration three.
+    share = 2e-8 if signal == "joint_acceleration" else 3e-9
+    assert np.max(np.abs(got - wanted) - share * ranges(wanted)) <= 2e-10
 
 
 @pytest.mark.parametrize(("name", "until"), [("2-trapezoid-saturated", 0.1), ("4-quintic", 0.05)])
