@@ -121,8 +121,8 @@ def test_power_balance_closes(name, options, share):
     run = RUNS[name]
     books = balance(run.simulate(**options), run.independent_robot, run.inputs.get("tip_force"))
     # Of a robot that hardly moves the motors turn over less than 0.1 J, while the energies whose
-    # differences are taken are hundreds of joules: it is judged as if they turned over one; one that
-    # is only pushed (2.4e-9 J are lost with bdf) two.
+    # differences are taken are hundreds of joules: it is judged as if they turned over one; one
+    # that is only pushed (2.4e-9 J are lost with bdf) two.
     least = 2.0 if name == "3-pushed" else 1.0
     assert books.gap <= share * max(books.turned_over, least)
 
