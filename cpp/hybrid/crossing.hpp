@@ -41,7 +41,9 @@ class CubicWeights {
  public:
   CubicWeights(double a, double b, double t);
 
-  double operator()(double z_a, double slope_a, double z_b, double slope_b) const {
+  template <class Values>
+  auto operator()(const Values& z_a, const Values& slope_a, const Values& z_b,
+                  const Values& slope_b) const {
     return z_a_ * z_a + slope_a_ * slope_a + z_b_ * z_b + slope_b_ * slope_b;
   }
 

@@ -45,10 +45,11 @@ class Integrator : public DenseOutput {
   // whatever the system throws.
   virtual void advance(double stop, Step& step, double* x1) = 0;
 
-  // Instants inside the latest step, in order, at which it knows the solution for nothing: gives
-  // the instant, the indicators there and their rates.
+  // Instants inside the latest step, in order, at which it knows the solution for nothing. Gives
+  // the instant and the indicators there; and, at a closer look, their rates.
   virtual int n_looks() const { return 0; }
-  virtual double look(int, double* /*z*/, double* /*slope*/) { return 0.0; }
+  virtual double look(int, double* /*z*/) { return 0.0; }
+  virtual void look_closer(int, double* /*slope*/) {}
 
   // The step size to try next, if nothing happens.
   virtual double next_size() const = 0;

@@ -37,11 +37,12 @@ class LinearView {
   virtual void forcing(double t, double* values) = 0;
   virtual void remainder(double t, const double* x, double* values) = 0;
 
-  // The system's indicators and their rates where it is known more than the watched states and
-  // their derivatives: remainders u and their rates du, of which some tell what else would be
-  // expensive.
-  virtual void indicators(double t, const double* x, const double* dx, const double* u,
-                          const double* du, double* values, double* rates) = 0;
+  // The system's indicators where it is known more than the watched states: remainders u, of which
+  // some tell what else would be expensive.
+  virtual void indicators(double t, const double* x, const double* u, double* values) = 0;
+  // How fast they change where the watched states change with the rates dx, remainders with du.
+  virtual void indicator_rates(double t, const double* x, const double* dx, const double* u,
+                               const double* du, double* rates) = 0;
 
   // Whether inputs are smooth beyond the next time event, as seen from before it.
   virtual bool extends_beyond_events() const = 0;

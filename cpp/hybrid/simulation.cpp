@@ -177,12 +177,9 @@ double Simulation::indicator_inside(int indicator, double t) {
   return scratch_z_[indicator];
 }
 
-void Simulation::check_indicators(const std::vector<double>& z) const {
-  // Nothing times zero is zero, unless it is not finite.
-  double sum = 0.0;
-  for (const double value : z) sum += 0.0 * value;
-  if (sum == 0.0) return;
-  for (std::size_t i = 0; i < z.size(); ++i) check_indicator(static_cast<int>(i), z[i]);
+void Simulation::check_indicators(const Eigen::ArrayXd& z) const {
+  if ((0.0 * z).sum() == 0.0) return;  // nothing times zero is zero, unless it is not finite
+  for (int i = 0; i < z.size(); ++i) check_indicator(i, z[i]);
 }
 
 void Simulation::check_indicator(int indicator, double z) const {
@@ -194,35 +191,57 @@ void Simulation::check_indicator(int indicator, double z) const {
 // --- looking for events in a step
 // -----------------------------------------------------------------
 
-// Looks at all instants at which the integrator knows the solution. How well a cubic from one look
-// to the next but one meets the look between them tells how well cubics from look to look do.
+// Looks at all instants at which the integrator knows the solution, and closer if need be. How well
+// a cubic from one look to the next but one meets the look between them tells how well cubics from
+// look to look do.
 void Simulation::look_at_step() {
   const int n_looks = integrator_.n_looks();
   if (static_cast<int>(looks_.size()) < n_looks + 2) looks_.resize(n_looks + 2);
-  std::size_t end = 0;
   for (int k = 0; k < n_looks; ++k) {
-    Look& look = looks_[++end];
+    Look& look = looks_[k + 1];
     prepare(look);
-    look.t = integrator_.look(k, look.z.data(), look.slope.data());
+    look.t = integrator_.look(k, look.z.data());
     check_indicators(look.z);
   }
-  if (looks_[end].t < now_.step.t1) {
-    measure(now_.step.t1, now_.x, now_.look);
-    looks_[++end] = now_.look;
+  last_look_ = n_looks;
+  if (looks_[n_looks].t < now_.step.t1) {
+    measure(now_.step.t1, now_.x, looks_[++last_look_]);
   } else {
-    now_.look = looks_[end];
+    integrator_.look_closer(n_looks - 1, looks_[n_looks].slope.data());
   }
-  last_look_ = end;
-
-  std::ranges::fill(doubt_, 0.0);
-  for (std::size_t k = 1; k < end; ++k) {
-    const CubicWeights at(looks_[k - 1].t, looks_[k + 1].t, looks_[k].t);
+  now_.look = looks_[last_look_];
+  doubt_.setZero();
+  if (last_look_ == 1) return;
+  if (stays_far_from_zero()) {
+    last_look_ = 0;
+    return;
+  }
+  for (int k = 0; k < n_looks && looks_[k + 1].t < now_.step.t1; ++k) {
+    integrator_.look_closer(k, looks_[k + 1].slope.data());
+  }
+  for (std::size_t k = 1; k < last_look_; ++k) {
     const Look &a = looks_[k - 1], &b = looks_[k], &c = looks_[k + 1];
-    for (std::size_t i = 0; i < doubt_.size(); ++i) {
-      const double miss = std::abs(at(a.z[i], a.slope[i], c.z[i], c.slope[i]) - b.z[i]);
-      doubt_[i] = std::max(doubt_[i], doubt_at_half * miss);
-    }
+    const CubicWeights at(a.t, c.t, b.t);
+    const auto miss = (at(a.z, a.slope, c.z, c.slope) - b.z).abs();
+    doubt_ = doubt_.max(doubt_at_half * miss);
   }
+}
+
+// Whether all indicators stay further from zero than they move in the step, as far as the looks,
+// and the rates at both ends, can tell.
+bool Simulation::stays_far_from_zero() {
+  const Look &begin = looks_[0], &end = looks_[last_look_];
+  const double after = (looks_[1].t - begin.t) / 3.0;
+  const double before = (end.t - looks_[last_look_ - 1].t) / 3.0;
+  const auto near_begin = begin.z + after * begin.slope;
+  const auto near_end = end.z - before * end.slope;
+  low_ = begin.z.min(near_begin).min(near_end);
+  high_ = begin.z.max(near_begin).max(near_end);
+  for (std::size_t k = 1; k <= last_look_; ++k) {
+    low_ = low_.min(looks_[k].z);
+    high_ = high_.max(looks_[k].z);
+  }
+  return (2.0 * low_ - high_).minCoeff() > 0.0;
 }
 
 // Cuts the step off at the first event in it, if there is one.
@@ -248,43 +267,35 @@ void Simulation::search_step(double stop) {
     now_.step.t1 = first;
     measure(first, now_.x, now_.look);
   }
-  fold_in_simultaneous(looks_[k - 1]);
+  fold_in_simultaneous(looks_[k > 0 ? k - 1 : 0]);
 }
 
 // The first instant between two looks at which indicators leave their domain, which become those
 // that have fired.
 double Simulation::first_event(const Look& a, const Look& b) {
   // A cubic is nowhere lower than its control points: most indicators need no more.
-  const int n = static_cast<int>(bound_.size());
   const double third = (b.t - a.t) / 3.0;
-  const double *z0 = a.z.data(), *slope0 = a.slope.data();
-  const double *z1 = b.z.data(), *slope1 = b.slope.data();
-  const double* doubt = doubt_.data();
-  double* bound = bound_.data();
-  int suspects = 0;
-  for (int i = 0; i < n; ++i) {
-    const double c0 = z0[i] + third * slope0[i], c1 = z1[i] - third * slope1[i];
-    const double ends = std::min(z0[i], z1[i]);
-    const double low = std::min(std::min(c0, c1), ends) - doubtful * ends;
-    const double middle = 0.5 * (c0 + c1) - weight_of_doubt * doubt[i];
-    bound[i] = std::min(z0[i] > 0.0 ? std::min(low, middle) : z1[i], z1[i]);
-    suspects += bound[i] > 0.0 ? 0 : 1;
-  }
-  if (suspects == 0) return never;
+  const auto c0 = a.z + third * a.slope;
+  const auto c1 = b.z - third * b.slope;
+  const auto ends = a.z.min(b.z);
+  const auto low = c0.min(c1).min(ends) - doubtful * ends;
+  const auto middle = 0.5 * (c0 + c1) - weight_of_doubt * doubt_;
+  bound_ = low.min(middle);
+  if (bound_.minCoeff() > 0.0) return never;
 
   double first = never;
-  for (int i = 0; i < n; ++i) {
-    if (bound[i] > 0.0) continue;
-    const Sample at_a{a.t, z0[i], slope0[i]}, at_b{b.t, z1[i], slope1[i]};
+  for (int i = 0; i < bound_.size(); ++i) {
+    if (bound_[i] > 0.0) continue;
+    const Sample at_a{a.t, a.z[i], a.slope[i]}, at_b{b.t, b.z[i], b.slope[i]};
     const Cubic cubic(at_a, at_b);
     double outside = b.t;
-    double z_outside = z1[i];
+    double z_outside = b.z[i];
     // Semantics 1: out of the domain and back between the looks?
     const std::optional<Sample> low = dip(i, at_a, at_b, doubt_[i], most_searches);
     if (low) {
       outside = low->t;
       z_outside = low->z;
-    } else if (z1[i] > 0.0) {
+    } else if (b.z[i] > 0.0) {
       continue;
     }
     if (first < outside) {
@@ -295,7 +306,7 @@ double Simulation::first_event(const Look& a, const Look& b) {
     }
 
     double inside = a.t;
-    double z_inside = z0[i];
+    double z_inside = a.z[i];
     if (z_inside <= 0.0) {
       // Semantics 2: it counts as inside at a; find out where it really is.
       const std::optional<double> highest = cubic.maximum();
@@ -308,7 +319,7 @@ double Simulation::first_event(const Look& a, const Look& b) {
         z_outside = z_inside;
         inside = 0.5 * (a.t + inside);
       }
-      if (z_inside <= 0.0 && z1[i] >= z0[i]) continue;  // on its way in, or where it was left
+      if (z_inside <= 0.0 && b.z[i] >= a.z[i]) continue;  // on its way in, or where it was left
     }
     const auto z = [&](double t) { return indicator_inside(i, t); };
     const double t = z_inside > 0.0 ? leave_domain(z, inside, z_inside, outside, z_outside,

@@ -23,6 +23,7 @@
 // look does not change the steps. An event is handled when the time reaches it.
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -83,7 +84,7 @@ class Simulation {
   // What the indicators show at an instant, and their rates along the solution.
   struct Look {
     double t = 0.0;
-    std::vector<double> z, slope;
+    Eigen::ArrayXd z, slope;
   };
 
   // How far the integration has come; it may be ahead of the time.
@@ -112,6 +113,7 @@ class Simulation {
   void advance_front();
   void search_step(double stop);
   void look_at_step();
+  bool stays_far_from_zero();
   void prepare(Look& look) const;
   double first_event(const Look& a, const Look& b);
   std::optional<Sample> dip(int indicator, const Sample& a, const Sample& b, double doubt,
@@ -121,7 +123,7 @@ class Simulation {
   void restart(double size);
   void measure(double t, const std::vector<double>& x, Look& look);
   double indicator_inside(int indicator, double t);
-  void check_indicators(const std::vector<double>& z) const;
+  void check_indicators(const Eigen::ArrayXd& z) const;
   void check_indicator(int indicator, double z) const;
 
   System& system_;
@@ -135,8 +137,10 @@ class Simulation {
   std::vector<double> x0_;     // at the beginning of the step
   std::vector<Look> looks_;    // at the step, from its beginning to its end, the last
   std::size_t last_look_ = 0;  // of them
-  std::vector<double> doubt_;  // about each indicator between two of them
-  std::vector<double> bound_, scratch_x_, scratch_z_, scratch_derivatives_, dip_x_;
+  Eigen::ArrayXd doubt_;       // about each indicator between two of them
+  Eigen::ArrayXd bound_;       // what it does not fall below
+  Eigen::ArrayXd low_, high_;  // in the step
+  std::vector<double> scratch_x_, scratch_z_, scratch_derivatives_, dip_x_;
   Look dip_look_;
   long restarts_ = 0;
   long routine_events_ = 0;

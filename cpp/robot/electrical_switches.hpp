@@ -10,11 +10,19 @@
 #include "drive/axis.hpp"
 #include "drive/modelica_axis.hpp"
 #include "robot/equations.hpp"
+#include "robot/indicators.hpp"
 #include "robot/mode.hpp"
 #include "robot/soon.hpp"
 #include "robot/zones.hpp"
 
 namespace manutec_r3::robot {
+
+template <int N>
+void set_nothing_to_watch(typename Indicators<N>::Watched& values) {
+  values[Indicators<N>::of_dead_zone].setZero();
+  values[Indicators<N>::of_torque_limit].setZero();
+  values[Indicators<N>::of_voltage_limit].setZero();
+}
 
 template <int N, class Axes>
 class ElectricalSwitches;
@@ -27,9 +35,14 @@ class ElectricalSwitches<N, drive::ModelicaAxes<N>> {
   ElectricalSwitches(const Robot&, OfEquations&, Mode<N>&) {}
   void freeze() {}
   void initialise(const double*, const double*) {}
-  void indicators(ElementKind, double, const double*, double*) const {}
-  void indicator_rates(ElementKind, double, const double*, const double*, std::span<double>,
-                       double*) const {}
+  void set_indicators(Indicators<N>&) const {}
+  void watch(double, const double*, typename Indicators<N>::Watched& values) const {
+    set_nothing_to_watch<N>(values);
+  }
+  void watch_rates(double, const double*, const double*, std::span<double>,
+                   typename Indicators<N>::Watched& rates) const {
+    set_nothing_to_watch<N>(rates);
+  }
   void cross(ElementKind, int, bool, double*, const double*) {}
   void after_jump(double, const double*) {}
 };
@@ -69,42 +82,41 @@ class ElectricalSwitches<N, drive::Axes<N>> {
     }
   }
 
-  // Two indicators for each axis and element.
-  void indicators(ElementKind kind, double t, const double* x, double* z) const {
+  // The lines that indicators are on the present branches.
+  void set_indicators(Indicators<N>& indicators) const {
     if (!has_controller_) return;
-    for (int i = 0; i < N; ++i, z += 2) {
-      const int branch = mode_.branch(kind, i);
-      if (kind == dead_zone && a_[i] > 0.0) edges(branch, U(x)[i], a_[i], z);
-      if (kind == torque_limit) edges(branch, m(x)[i], b_[i], z);
-      if (kind != voltage_limit || std::isinf(U_limit_)) continue;
-      if (branch == 0) {
-        edges(branch, U(x)[i], U_limit_, z);
-      } else {
-        z[0] = branch * drive_of_voltage(t, x)[i];  // until it leads back
-      }
+    for (int i = 0; i < N; ++i) {
+      const auto set_zone = [&](auto row, ElementKind kind, double half_width) {
+        indicators.set_zone(row, i, mode_.branch(kind, i), half_width);
+      };
+      if (a_[i] > 0.0) set_zone(Indicators<N>::of_dead_zone, dead_zone, a_[i]);
+      set_zone(Indicators<N>::of_torque_limit, torque_limit, b_[i]);
+      if (std::isinf(U_limit_)) continue;
+      // At its limit the voltage stays until it is driven back.
+      const bool at_limit = mode_.branch(voltage_limit, i) != 0;
+      set_zone(Indicators<N>::of_voltage_limit, voltage_limit, at_limit ? 0.0 : U_limit_);
     }
   }
 
-  // How fast they change along the derivatives dx.
-  void indicator_rates(ElementKind kind, double t, const double* x, const double* dx,
-                       std::span<double> x_soon, double* rates) const {
-    if (!has_controller_) return;
-    PerAxis<N> drive_rate = PerAxis<N>::Zero();
-    if (kind == voltage_limit && has_axis_at_voltage_limit()) {
+  // What they watch.
+  void watch(double t, const double* x, typename Indicators<N>::Watched& values) const {
+    if (!has_controller_) return set_nothing_to_watch<N>(values);
+    values[Indicators<N>::of_dead_zone] = U(x);
+    values[Indicators<N>::of_torque_limit] = m(x);
+    watch_voltage_limit(U(x), [&] { return drive_of_voltage(t, x); }, values);
+  }
+
+  // How fast it changes along the derivatives dx.
+  void watch_rates(double t, const double* x, const double* dx, std::span<double> x_soon,
+                   typename Indicators<N>::Watched& rates) const {
+    if (!has_controller_) return set_nothing_to_watch<N>(rates);
+    rates[Indicators<N>::of_dead_zone] = U(dx);
+    rates[Indicators<N>::of_torque_limit] = m(dx);
+    const auto drive_rate = [&]() -> PerAxis<N> {
       state_soon(x, dx, static_cast<int>(x_soon.size()), x_soon.data());
-      drive_rate = (drive_of_voltage(t + soon, x_soon.data()) - drive_of_voltage(t, x)) / soon;
-    }
-    for (int i = 0; i < N; ++i, rates += 2) {
-      const int branch = mode_.branch(kind, i);
-      if (kind == dead_zone && a_[i] > 0.0) edge_rates(branch, U(dx)[i], rates);
-      if (kind == torque_limit) edge_rates(branch, m(dx)[i], rates);
-      if (kind != voltage_limit || std::isinf(U_limit_)) continue;
-      if (branch == 0) {
-        edge_rates(branch, U(dx)[i], rates);
-      } else {
-        rates[0] = branch * drive_rate[i];
-      }
-    }
+      return (drive_of_voltage(t + soon, x_soon.data()) - drive_of_voltage(t, x)) / soon;
+    };
+    watch_voltage_limit(U(dx), drive_rate, rates);
   }
 
   // An indicator has left its domain; U may be set onto its limit.
@@ -142,7 +154,21 @@ class ElectricalSwitches<N, drive::Axes<N>> {
     return equations_.axes.drive_of_voltage(equations_.electrical(x), equations_.command(t, x));
   }
 
+  // Axes at the limit watch what drives the voltage, the others the voltage itself.
+  template <class Drive>
+  void watch_voltage_limit(const PerAxis<N>& U, const Drive& drive,
+                           typename Indicators<N>::Watched& values) const {
+    PerAxis<N>& watched = values[Indicators<N>::of_voltage_limit];
+    watched = U;
+    if (!has_axis_at_voltage_limit()) return;
+    const PerAxis<N> of_drive = drive();
+    for (int i = 0; i < N; ++i) {
+      if (mode_.branch(voltage_limit, i) != 0) watched[i] = of_drive[i];
+    }
+  }
+
   bool has_axis_at_voltage_limit() const {
+    if (std::isinf(U_limit_)) return false;
     for (int i = 0; i < N; ++i) {
       if (mode_.branch(voltage_limit, i) != 0) return true;
     }

@@ -44,6 +44,14 @@ class LinearDrives {
         zero_(robot.n_states(), 0.0),
         rates_(robot.n_states()) {}
 
+  // Reads A from the mode. An elastic gear moves its joint slowly: no A.
+  void freeze() {
+    for (int i = equations_.n_elastic(); i < N; ++i) {
+      const double octaves = mode_.branch(Mode<N>::inertia, i) / inertias_per_octave;
+      p_by_A_[i] = equations_.p[i] * std::exp2(-octaves);
+    }
+  }
+
   const hybrid::LinearBlock& block(int axis) {
     const auto [place, is_new] = blocks_[axis].try_emplace(key(axis));
     if (is_new) place->second = make_block(axis);
@@ -73,7 +81,7 @@ class LinearDrives {
       if (holds(i)) {
         *values++ = equations_.held_friction(i, dynamics, torques, a);
       } else {
-        *values++ = a.joint[i] - p_by_A(i) * torques.gear[i];
+        *values++ = a.joint[i] - p_by_A_[i] * torques.gear[i];
       }
       if (!robot_.carries_elastic_rotor(i)) continue;
       if (equations_.sticking[i]) {
@@ -103,24 +111,18 @@ class LinearDrives {
   }
 
   // Chooses A for the rigid axes of a state.
-  void choose_inertias(double t, const double* x, Mode<N>& mode) const {
+  void choose_inertias(double t, const double* x, Mode<N>& mode) {
     const arm::Matrix<N> inverse = equations_.dynamics(t, x).arms.M.full().inverse();
     for (int i = equations_.n_elastic(); i < N; ++i) {
       const double octaves = -std::log2(inverse(i, i));
       mode.set(Mode<N>::inertia, i, static_cast<int>(std::lround(inertias_per_octave * octaves)));
     }
+    freeze();
   }
 
  private:
   // The joint is at rest for as long as the axis sticks.
   bool holds(int axis) const { return equations_.sticking[axis] && !equations_.is_elastic(axis); }
-
-  // p/A of a rigid gear; an elastic gear moves its joint slowly.
-  double p_by_A(int axis) const {
-    if (equations_.is_elastic(axis)) return 0.0;
-    return equations_.p[axis] *
-           std::exp2(-mode_.branch(Mode<N>::inertia, axis) / inertias_per_octave);
-  }
 
   // All that a block depends on in a robot.
   std::uint64_t key(int axis) const {
@@ -185,7 +187,7 @@ class LinearDrives {
     const typename OfEquations::Torques torques = equations_.torques_with(motor, x);
     drive::View<N>{dx} = equations_.qd(x);
     for (int i = 0; i < N; ++i) {
-      dx[N + i] = holds(i) ? 0.0 : p_by_A(i) * torques.gear[i];
+      dx[N + i] = holds(i) ? 0.0 : p_by_A_[i] * torques.gear[i];
       if (!equations_.is_elastic(i)) continue;
       const double drive = torques.motor[i] - torques.gear[i] - torques.friction[i];
       dx[state_of_deflection(i)] = equations_.deflection_rate(x)[i];
@@ -249,6 +251,7 @@ class LinearDrives {
   const OfEquations& equations_;
   const Mode<N>& mode_;
   int n_electrical_;  // states of an axis
+  PerAxis<N> p_by_A_ = PerAxis<N>::Zero();
   std::array<std::map<std::uint64_t, hybrid::LinearBlock>, N> blocks_;
   std::vector<double> zero_;   // a state
   std::vector<double> rates_;  // scratch

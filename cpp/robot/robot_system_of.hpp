@@ -14,6 +14,7 @@
 #include "robot/electrical_switches.hpp"
 #include "robot/equations.hpp"
 #include "robot/friction_decision.hpp"
+#include "robot/indicators.hpp"
 #include "robot/linear_drives.hpp"
 #include "robot/mode.hpp"
 #include "robot/robot_system.hpp"
@@ -34,17 +35,7 @@ inline bool has_come(double instant, double t) {
 
 template <int N, class Axes>
 class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
-  // Indicators: two for every axis and row, of which some mean nothing on some robots.
-  enum IndicatorRow {
-    of_dead_zone,
-    of_torque_limit,
-    of_voltage_limit,
-    of_backlash,
-    of_friction,
-    of_friction_piece,
-    of_creep,
-    n_indicator_rows
-  };
+  using Indicators = robot::Indicators<N>;
 
  public:
   RobotSystemOf(std::shared_ptr<const Robot> robot, const Axes& axes, Inputs inputs)
@@ -53,7 +44,8 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
         equations_(*robot_, axes, inputs_),
         electrical_(*robot_, equations_, mode_),
         friction_(*robot_, equations_, mode_),
-        linear_drives_(*robot_, inputs_, equations_, mode_) {
+        linear_drives_(*robot_, inputs_, equations_, mode_),
+        indicators_(creep_rate() > 0.0, std::isfinite(robot_->options().voltage_limit)) {
     for (const StateGroup& group : robot_->states()) {
       nominals_.insert(nominals_.end(), group.nominals.begin(), group.nominals.end());
     }
@@ -67,7 +59,7 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
 
   int n_axes() const override { return N; }
   int n_states() const override { return robot_->n_states(); }
-  int n_indicators() const override { return n_indicator_rows * 2 * N; }
+  int n_indicators() const override { return indicators_.size(); }
   std::span<const double> nominals() const override { return nominals_; }
   // A stiff spring that holds an axis has no damping: 5e5 rad/s.
   bool rings() const override { return robot_->options().stiction == Stiction::stiff_spring; }
@@ -85,7 +77,7 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
   // --- indicators -------------------------------------------------------------------------------
 
   void indicators(double t, const double* x, double* z) override {
-    find_indicators(t, x, friction_torque(t, x), z);
+    indicators_.evaluate(watched(t, x, friction_torque(t, x)), z);
   }
 
   void indicator_rates(double t, const double* x, const double* dx, double* rates) override {
@@ -94,27 +86,37 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
       state_soon(x, dx, n_states(), x_soon_.data());
       held_rate = (friction_torque(t + soon, x_soon_.data()) - friction_torque(t, x)) / soon;
     }
-    find_indicator_rates(t, x, dx, held_rate, rates);
+    indicators_.evaluate_rates(watched_rates(t, x, dx, held_rate), rates);
   }
 
   // The remainder of what sticks is the friction that holds it.
-  void indicators(double t, const double* x, const double* dx, const double* u, const double* du,
-                  double* z, double* rates) override {
-    PerAxis<N> held = equations_.torques(t, x).friction, held_rate = PerAxis<N>::Zero();
+  void indicators(double t, const double* x, const double* u, double* z) override {
+    PerAxis<N> held = PerAxis<N>::Zero();
+    if (some_axis_sticks()) {
+      held = equations_.torques(t, x).friction;
+      linear_drives_.read_held_friction(u, held);
+    }
+    indicators_.evaluate(watched(t, x, held), z);
+  }
+
+  void indicator_rates(double t, const double* x, const double* dx, const double*, const double* du,
+                       double* rates) override {
+    PerAxis<N> held_rate = PerAxis<N>::Zero();
     if (some_axis_sticks()) {
       state_soon(x, dx, n_states(), x_soon_.data());
-      held_rate = (equations_.torques(t + soon, x_soon_.data()).friction - held) / soon;
-      linear_drives_.read_held_friction(u, held);
+      held_rate = (equations_.torques(t + soon, x_soon_.data()).friction -
+                   equations_.torques(t, x).friction) /
+                  soon;
       linear_drives_.read_held_friction(du, held_rate);
     }
-    find_indicators(t, x, held, z);
-    find_indicator_rates(t, x, dx, held_rate, rates);
+    indicators_.evaluate_rates(watched_rates(t, x, dx, held_rate), rates);
   }
 
   hybrid::Element element_of(int indicator) const override {
-    constexpr std::array<ElementKind, n_indicator_rows> kinds = {
-        dead_zone, torque_limit, voltage_limit, backlash, friction, friction, friction};
-    return {.axis = indicator / 2 % N + 1, .kind = kinds[indicator / (2 * N)]};
+    constexpr std::array<ElementKind, Indicators::n_rows> kinds = {
+        dead_zone, torque_limit, backlash, friction, friction, friction, voltage_limit};
+    const auto place = Indicators::place(indicator);
+    return {.axis = place.axis + 1, .kind = kinds[place.row]};
   }
 
   std::string describe(hybrid::Element element) const override {
@@ -345,112 +347,112 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
 
   // --- crossings --------------------------------------------------------------------------------
 
-  static double* slot(double* z, IndicatorRow row, int axis) { return z + row * 2 * N + 2 * axis; }
+  // What indicators watch. `held` is the friction torque of axes that stick.
+  typename Indicators::Watched watched(double t, const double* x, const PerAxis<N>& held) const {
+    typename Indicators::Watched values;
+    electrical_.watch(t, x, values);
+    return watch_gears(x, held, values);
+  }
 
-  // `held` is the friction torque of axes that stick.
-  void find_indicators(double t, const double* x, const PerAxis<N>& held, double* z) {
-    std::fill_n(z, n_indicators(), 1.0);
-    electrical_.indicators(dead_zone, t, x, slot(z, of_dead_zone, 0));
-    electrical_.indicators(torque_limit, t, x, slot(z, of_torque_limit, 0));
-    electrical_.indicators(voltage_limit, t, x, slot(z, of_voltage_limit, 0));
-    if (!robot_->has_real_gears()) return;
-    const ConstView<E> delta = equations_.deflection(x);
-    for (int i = 0; i < E; ++i) {
-      if (!equations_.gear.has_backlash(i)) continue;
-      edges(branch(backlash, i), delta[i], equations_.gear.b[i], slot(z, of_backlash, i));
+  // How fast it changes along the derivatives dx.
+  typename Indicators::Watched watched_rates(double t, const double* x, const double* dx,
+                                             const PerAxis<N>& held_rate) {
+    typename Indicators::Watched rates;
+    electrical_.watch_rates(t, x, dx, x_soon_, rates);
+    return watch_gears(dx, held_rate, rates);  // linear in x
+  }
+
+  typename Indicators::Watched& watch_gears(const double* x, const PerAxis<N>& held,
+                                            typename Indicators::Watched& values) const {
+    values[Indicators::of_backlash].setZero();
+    if (robot_->has_real_gears()) {
+      values[Indicators::of_backlash].template head<E>() = equations_.deflection(x);
     }
     const PerAxis<N> rate = equations_.rotor_rate(x);
+    values[Indicators::of_friction] = slides_.select(rate, held);
+    values[Indicators::of_friction_piece] = rate;
+    values[Indicators::of_creep] = rate;
+    return values;
+  }
+
+  // The lines that indicators are on the present branches.
+  void set_indicators() {
+    indicators_.clear();
+    electrical_.set_indicators(indicators_);
+    slides_.setConstant(true);
+    if (!robot_->has_real_gears()) return;
+    for (int i = 0; i < E; ++i) {
+      if (!equations_.gear.has_backlash(i)) continue;
+      indicators_.set_zone(Indicators::of_backlash, i, branch(backlash, i), equations_.gear.b[i]);
+    }
     for (int i = 0; i < N; ++i) {
-      if (!friction_.has_friction(i)) continue;
-      const int direction = friction_.rotor_direction(i);
-      double* of_friction_i = slot(z, of_friction, i);
-      if (direction == 0) {
-        if (mode_.branch(Mode<N>::brake, i)) continue;
-        of_friction_i[0] = friction_.sticking_limit(i) - held[i];
-        of_friction_i[1] = friction_.sticking_limit(i) + held[i];
-        continue;
-      }
-      const double speed = direction * rate[i];
-      of_friction_i[0] = speed;
-      const int piece = mode_.branch(Mode<N>::friction_piece, i);
-      double* of_piece = slot(z, of_friction_piece, i);
-      const double upper = friction_.characteristic(i).upper_end(piece);
-      const double lower = friction_.characteristic(i).lower_end(piece);
-      if (std::isfinite(upper)) of_piece[0] = upper - speed;
-      if (std::isfinite(lower)) of_piece[1] = speed - lower;
-      if (equations_.is_elastic(i) && creep_rate() > 0.0) {
-        const bool armed = mode_.branch(Mode<N>::creep, i) != 0;
-        slot(z, of_creep, i)[0] = armed ? speed - creep_rate() : creep_armed * creep_rate() - speed;
-      }
+      if (friction_.has_friction(i)) set_indicators_of_friction(i);
     }
   }
 
-  void find_indicator_rates(double t, const double* x, const double* dx,
-                            const PerAxis<N>& held_rate, double* rates) {
-    std::fill_n(rates, n_indicators(), 0.0);
-    electrical_.indicator_rates(dead_zone, t, x, dx, x_soon_, slot(rates, of_dead_zone, 0));
-    electrical_.indicator_rates(torque_limit, t, x, dx, x_soon_, slot(rates, of_torque_limit, 0));
-    electrical_.indicator_rates(voltage_limit, t, x, dx, x_soon_, slot(rates, of_voltage_limit, 0));
-    if (!robot_->has_real_gears()) return;
-    const ConstView<E> delta_rate = equations_.deflection(dx);
-    for (int i = 0; i < E; ++i) {
-      if (!equations_.gear.has_backlash(i)) continue;
-      edge_rates(branch(backlash, i), delta_rate[i], slot(rates, of_backlash, i));
+  void set_indicators_of_friction(int axis) {
+    const int direction = friction_.rotor_direction(axis);
+    slides_[axis] = direction != 0;
+    if (direction == 0) {
+      if (mode_.branch(Mode<N>::brake, axis)) return;
+      indicators_.set_zone(Indicators::of_friction, axis, 0, friction_.sticking_limit(axis));
+      return;
     }
-    const PerAxis<N> rotor_acceleration = equations_.rotor_rate(dx);  // linear in x
-    for (int i = 0; i < N; ++i) {
-      if (!friction_.has_friction(i)) continue;
-      const int direction = friction_.rotor_direction(i);
-      double* of_friction_i = slot(rates, of_friction, i);
-      if (direction == 0) {
-        if (!mode_.branch(Mode<N>::brake, i)) edge_rates(0, held_rate[i], of_friction_i);
-        continue;
-      }
-      const double acceleration = direction * rotor_acceleration[i];
-      of_friction_i[0] = acceleration;
-      const int piece = mode_.branch(Mode<N>::friction_piece, i);
-      double* of_piece = slot(rates, of_friction_piece, i);
-      if (std::isfinite(friction_.characteristic(i).upper_end(piece))) of_piece[0] = -acceleration;
-      if (std::isfinite(friction_.characteristic(i).lower_end(piece))) of_piece[1] = acceleration;
-      if (equations_.is_elastic(i) && creep_rate() > 0.0) {
-        const bool armed = mode_.branch(Mode<N>::creep, i) != 0;
-        slot(rates, of_creep, i)[0] = armed ? acceleration : -acceleration;
-      }
+    // The speed is the rate in the direction of sliding.
+    const auto set = [&](auto row, auto edge, double sign, double offset) {
+      indicators_.set(row, edge, axis, sign * direction, offset);
+    };
+    set(Indicators::of_friction, Indicators::upper, +1.0, 0.0);
+    const int piece = mode_.branch(Mode<N>::friction_piece, axis);
+    const double fastest = friction_.characteristic(axis).upper_end(piece);
+    const double slowest = friction_.characteristic(axis).lower_end(piece);
+    if (std::isfinite(fastest)) {
+      set(Indicators::of_friction_piece, Indicators::upper, -1.0, fastest);
+    }
+    if (std::isfinite(slowest)) {
+      set(Indicators::of_friction_piece, Indicators::lower, +1.0, -slowest);
+    }
+    if (!equations_.is_elastic(axis) || !(creep_rate() > 0.0)) return;
+    if (mode_.branch(Mode<N>::creep, axis) != 0) {
+      set(Indicators::of_creep, Indicators::upper, +1.0, -creep_rate());
+    } else {
+      set(Indicators::of_creep, Indicators::upper, -1.0, creep_armed * creep_rate());
     }
   }
 
   // An indicator has left its domain.
   void cross(int indicator, double* x, Occasion& occasion) {
-    const int row = indicator / (2 * N);
-    const int i = indicator / 2 % N;
-    const bool lower = indicator % 2 != 0;
+    const auto [row, edge, i] = Indicators::place(indicator);
+    const bool lower = edge == Indicators::lower;
     const double* rates = scratch_.data();
     switch (row) {
-      case of_dead_zone:
+      case Indicators::of_dead_zone:
         electrical_.cross(dead_zone, i, lower, x, rates);
         break;
-      case of_torque_limit:
+      case Indicators::of_torque_limit:
         electrical_.cross(torque_limit, i, lower, x, rates);
         break;
-      case of_voltage_limit:
+      case Indicators::of_voltage_limit:
         electrical_.cross(voltage_limit, i, lower, x, rates);
         break;
-      case of_backlash:
+      case Indicators::of_backlash:
         mode_.set(backlash, i,
                   zone_beyond(branch(backlash, i), lower, equations_.deflection(rates)[i]));
         // A damper that acts in contact only makes tau jump.
         occasion.jump |= equations_.gear.damping == drive::GearDamping::contact;
         break;
-      case of_friction:
+      case Indicators::of_friction:
         (branch(friction, i) == 0 ? occasion.released : occasion.at_rest)[i] = true;
         break;
-      case of_friction_piece:
+      case Indicators::of_friction_piece:
         mode_.set(Mode<N>::friction_piece, i,
                   mode_.branch(Mode<N>::friction_piece, i) + (lower ? -1 : +1));
         break;
-      case of_creep:
+      case Indicators::of_creep:
         occasion.creeps[i] = mode_.branch(Mode<N>::creep, i) != 0;
         mode_.set(Mode<N>::creep, i, !occasion.creeps[i]);
+        break;
+      case Indicators::n_rows:
         break;
     }
   }
@@ -487,6 +489,8 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
     equations_.motion_piece = mode_.counter(Mode<N>::motion_piece);
     equations_.input_piece = mode_.counter(Mode<N>::input_piece);
     equations_.force_piece = mode_.counter(Mode<N>::force_piece);
+    linear_drives_.freeze();
+    set_indicators();
   }
 
   std::shared_ptr<const Robot> robot_;
@@ -496,6 +500,8 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
   ElectricalSwitches<N, Axes> electrical_;
   FrictionDecision<N, Axes> friction_;
   LinearDrives<N, Axes> linear_drives_;
+  Indicators indicators_;
+  Eigen::Array<bool, N, 1> slides_;  // as opposed to what sticks
   double sampling_time_ = 0.0;
   std::vector<double> nominals_;
   std::vector<double> scratch_, x_soon_;

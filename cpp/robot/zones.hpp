@@ -8,26 +8,6 @@ namespace manutec_r3::robot {
 
 inline int sign(double value) { return (value > 0.0) - (value < 0.0); }
 
-// Two indicators: in the zone its upper and lower edge, outside the edge that leads back.
-inline void edges(int branch, double value, double half_width, double* z) {
-  if (branch == 0) {
-    z[0] = half_width - value;
-    z[1] = half_width + value;
-  } else {
-    z[0] = branch * value - half_width;
-  }
-}
-
-// Their rates where the value has one.
-inline void edge_rates(int branch, double rate, double* z_rate) {
-  if (branch == 0) {
-    z_rate[0] = -rate;
-    z_rate[1] = rate;
-  } else {
-    z_rate[0] = branch * rate;
-  }
-}
-
 // The branch of a value; on an edge it is where its rate leads.
 inline int zone(double value, double rate, double half_width) {
   const bool outside =

@@ -4,18 +4,31 @@
 #include <array>
 
 namespace manutec_r3::solver {
+namespace {
 
-CollocationStep::CollocationStep(int n_states, const CollocationBlocks& blocks)
-    : blocks_(blocks),
-      record_(n_states, blocks),
-      powers_(n_nodes * blocks.n_inputs()),
-      derivatives_(powers_.size()),
-      x_(n_states) {}
+// By how much the values of an input at the nodes contribute to its derivatives after a time: row
+// l for node l, column q for the q-th derivative.
+Eigen::Matrix<double, n_nodes, n_nodes> derivatives_of_nodes(double after, double interval) {
+  Eigen::Matrix<double, n_nodes, n_nodes> derivatives = lagrange_coefficients();
+  const double time = after / interval;
+  double factor = 1.0;
+  for (int q = 0; q < n_nodes; ++q) {
+    // Horner's rule leaves the q-th derivative by q! behind.
+    for (int k = input_degree - 1; k >= q; --k) {
+      derivatives.col(k) += time * derivatives.col(k + 1);
+    }
+    derivatives.col(q) *= factor;
+    factor *= (q + 1) / interval;
+  }
+  return derivatives;
+}
+
+}  // namespace
 
 void CollocationStep::evaluate(const hybrid::Step& step, double t, double* x) {
-  const double after = t - step.dense[record_.begin];
-  const bool in_series = known_ && step.dense[record_.begin] == begin_ &&
-                         step.dense[record_.interval] == interval_ && after >= base_ &&
+  const double after = t - step.dense[CollocationRecord::begin];
+  const bool in_series = known_ && step.dense[CollocationRecord::begin] == begin_ &&
+                         step.dense[CollocationRecord::interval] == interval_ && after >= base_ &&
                          after - base_ < Propagator::length(blocks_.n_rungs() - 1);
   if (!in_series) expand(step, after);
 
@@ -30,59 +43,44 @@ void CollocationStep::evaluate(const hybrid::Step& step, double t, double* x) {
 
 void CollocationStep::expand(const hybrid::Step& step, double after) {
   known_ = true;
-  begin_ = step.dense[record_.begin];
-  interval_ = step.dense[record_.interval];
+  begin_ = step.dense[CollocationRecord::begin];
+  interval_ = step.dense[CollocationRecord::interval];
+  const double* of_step = &step.dense[CollocationRecord::coefficients];
+  std::copy_n(of_step, coefficients_.size(), coefficients_.begin());
   base_ = 0.0;
-
-  // Coefficients of powers of time in intervals.
-  const auto& lagrange = lagrange_coefficients();
-  const int m = blocks_.n_inputs();
-  const double* at_nodes = &step.dense[record_.inputs];
-  std::ranges::fill(powers_, 0.0);
-  for (int q = 0; q < n_nodes; ++q) {
-    for (int l = 0; l < n_nodes; ++l) {
-      for (int i = 0; i < m; ++i) powers_[q * m + i] += lagrange(l, q) * at_nodes[l * m + i];
-    }
-  }
-
-  std::array<double, most_columns> coefficients;
-  std::copy_n(&step.dense[record_.x], x_.size(), x_.begin());
   for (int rung = 0; rung < blocks_.n_rungs(); ++rung) {
-    for (; after - base_ >= Propagator::length(rung); base_ += Propagator::length(rung)) {
-      find_derivatives_of_inputs(base_, interval_);
+    const double length = Propagator::length(rung);
+    for (; after - base_ >= length; base_ += length) {
+      find_derivatives_of_inputs(of_step);
       for (const CollocationBlocks::Block& block : blocks_) {
-        blocks_.gather(block, x_.data(), derivatives_.data(), n_nodes, coefficients.data());
+        double* of_block = &coefficients_[block.first_state];
         BlockState advanced;
-        block.propagator->advance(rung, coefficients.data(), advanced.data());
-        blocks_.scatter(block, advanced.data(), x_.data());
+        block.propagator->advance(rung, of_block, advanced.data());
+        std::copy_n(advanced.begin(), block.n_states(), of_block);
       }
     }
   }
-  find_derivatives_of_inputs(base_, interval_);
+  find_derivatives_of_inputs(of_step);
   terms_.resize(Propagator::n_terms * most_states * blocks_.size());
   double* terms = terms_.data();
   for (const CollocationBlocks::Block& block : blocks_) {
-    blocks_.gather(block, x_.data(), derivatives_.data(), n_nodes, coefficients.data());
-    block.propagator->expand(coefficients.data(), terms);
+    block.propagator->expand(&coefficients_[block.first_state], terms);
     terms += Propagator::n_terms * block.propagator->padded_states();
   }
 }
 
-// Order by order, from the coefficients of their powers.
-void CollocationStep::find_derivatives_of_inputs(double after, double interval) {
-  const int m = blocks_.n_inputs();
-  const double time = after / interval;
-  derivatives_ = powers_;
-  double factor = 1.0;
-  for (int q = 0; q < n_nodes; ++q) {
-    // Horner's rule leaves the q-th derivative by q! behind.
-    for (int k = input_degree - 1; k >= q; --k) {
-      double* lower = &derivatives_[k * m];
-      for (int i = 0; i < m; ++i) lower[i] += time * lower[m + i];
+// Instead of their values at the nodes, at `base_`.
+void CollocationStep::find_derivatives_of_inputs(const double* of_step) {
+  const auto derivatives = derivatives_of_nodes(base_, interval_);
+  const auto find = [&](const CollocationBlocks::Input& input) {
+    Eigen::Matrix<double, n_nodes, 1> values;
+    for (int l = 0; l < n_nodes; ++l) values[l] = of_step[input.at(l)];
+    for (int q = 0; q < n_nodes; ++q) {
+      coefficients_[input.at(q)] = derivatives.col(q).dot(values);
     }
-    for (int i = 0; i < m; ++i) derivatives_[q * m + i] *= factor;
-    factor *= (q + 1) / interval;
-  }
+  };
+  std::ranges::for_each(blocks_.forcing(), find);
+  std::ranges::for_each(blocks_.remainder(), find);
 }
 
 }  // namespace manutec_r3::solver

@@ -19,10 +19,12 @@ constexpr double settled_enough = 0.5;
 constexpr int most_sweeps = 12;
 // By how much a first sweep is believed to be worse than a second; after it it is known.
 constexpr double first_contraction = 0.05;
-// An error that even half as long a step would not mend, by far.
-constexpr double hopeless = 100.0;
-// Intervals twice as long make the error 2^5 times as large; some of it is left as a reserve.
-constexpr double allows_twice_as_long = 0.35 / 32.0;
+// Intervals twice as long make the error so many times as large.
+constexpr double per_doubling = 32.0;
+// An error that half as long a step would not mend.
+constexpr double hopeless = per_doubling;
+// Some of it is left as a reserve.
+constexpr double allows_twice_as_long = 0.35 / per_doubling;
 // Inputs that changed by less than this part of the tolerance in the step before are predicted not
 // to change: their polynomials are roundoff, which extrapolation would let grow from step to step.
 constexpr double negligible = 0.01;
@@ -41,25 +43,29 @@ ExponentialCollocation::ExponentialCollocation(hybrid::System& system, double re
       view_(linear_view_of(system)),
       tolerance_(relative_tolerance),
       blocks_(view_),
-      record_(system.n_states(), blocks_),
-      inside_(system.n_states(), blocks_),
+      inside_(blocks_),
       x_(system.n_states()),
-      per_tolerance_(system.n_states()),
       matrices_(blocks_.size()),
-      inputs_(n_nodes * blocks_.n_inputs()),
-      sensitivity_(blocks_.n_inputs()),
-      changes_(n_remainder()),
-      scratch_inputs_(blocks_.n_inputs()),
-      scratch_rates_(system.n_states()),
-      of_block_(blocks_.size()),
-      x_at_node_(n_nodes, std::vector<double>(system.n_states())) {
-  before_.inputs.resize(inputs_.size());
+      coefficients_(blocks_.n_coefficients()),
+      nominals_(Eigen::ArrayXd::Zero(blocks_.n_coefficients())),
+      sensitivity_to_forcing_(blocks_.forcing().size()),
+      sensitivity_to_remainder_(blocks_.remainder().size()),
+      settled_(blocks_.size() * input_degree * most_states),
+      watched_(settled_.size()),
+      x_at_nodes_(n_nodes * system.n_states()),
+      scratch_forcing_(blocks_.forcing().size()),
+      scratch_remainder_(blocks_.remainder().size()),
+      scratch_rates_of_remainder_(blocks_.remainder().size()),
+      scratch_rates_(system.n_states()) {
+  before_.coefficients.resize(coefficients_.size());
   kept_.x.resize(x_.size());
-  kept_.remainder.resize(n_remainder());
+  kept_.remainder.resize(blocks_.remainder().size());
+  blocks_.set_states(system.nominals().data(), nominals_.data());
 }
 
 void ExponentialCollocation::restart(double t, const double* x, double size) {
   blocks_.refresh();
+  blocks_.set_constants(coefficients_.data());
   inside_.mode_changed();
   t_ = t;
   std::copy_n(x, x_.size(), x_.begin());
@@ -70,14 +76,6 @@ void ExponentialCollocation::restart(double t, const double* x, double size) {
     const double halvings = std::log2(input_degree * Propagator::longest / size);
     rung_ = std::clamp(static_cast<int>(std::lround(halvings)), 0, Propagator::lowest_rung);
   }
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const Propagator& propagator = *blocks_[b].propagator;
-    Work& work = of_block_[b];
-    work.coefficients.resize(propagator.columns());
-    work.settled.resize(input_degree * propagator.padded_watched());
-    work.watched.resize(work.settled.size());
-    work.rates.resize(work.settled.size());
-  }
 }
 
 double ExponentialCollocation::next_size() const {
@@ -85,23 +83,22 @@ double ExponentialCollocation::next_size() const {
 }
 
 void ExponentialCollocation::remember(const hybrid::Step& step) {
-  before_.known = static_cast<int>(step.dense.size()) == record_.size;
+  before_.known = static_cast<int>(step.dense.size()) == CollocationRecord::size(blocks_);
   if (!before_.known) return;
-  before_.begin = step.dense[record_.begin];
-  before_.interval = step.dense[record_.interval];
-  std::copy_n(&step.dense[record_.inputs], before_.inputs.size(), before_.inputs.begin());
+  before_.begin = step.dense[CollocationRecord::begin];
+  before_.interval = step.dense[CollocationRecord::interval];
+  std::copy_n(&step.dense[CollocationRecord::coefficients], before_.coefficients.size(),
+              before_.coefficients.begin());
 }
 
 // --- a step --------------------------------------------------------------------------------------
 
 void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1) {
   begin_ = t_;
+  blocks_.set_states(x_.data(), coefficients_.data());
   write_record(step);  // of a step that cannot be begun at least the beginning
-  std::copy_n(remainder_at(t_, x_.data()), n_remainder(), remainder_at(0));
-  const auto nominals = system_.nominals();
-  for (std::size_t s = 0; s < x_.size(); ++s) {
-    per_tolerance_[s] = 1.0 / (tolerance_ * (nominals[s] + std::abs(x_[s])));
-  }
+  const double* remainder = remainder_at(t_, x_.data());
+  for (const Input& input : blocks_.remainder()) coefficients_[input.at(0)] = *remainder++;
   const double remaining = stop - t_;
   for (int rung = rung_;;) {
     // No longer than it takes to reach the stop.
@@ -128,7 +125,6 @@ void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1
     rung_ = rung = std::min(rung + (error > hopeless ? 2 : 1), Propagator::lowest_rung);
   }
   ++work_.steps;
-  find_rates();
 
   write_record(step);
   const double end = begin_ + input_degree * interval_;
@@ -140,7 +136,7 @@ void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1
   } else {
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
       BlockState ended;
-      matrices_[b]->end.product(of_block_[b].coefficients.data(), ended.data());
+      matrices_[b]->end.product(&coefficients_[blocks_[b].first_state], ended.data());
       blocks_.scatter(blocks_[b], ended.data(), x1);
     }
   }
@@ -156,18 +152,15 @@ void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1
 
 void ExponentialCollocation::write_record(hybrid::Step& step) const {
   step.t0 = begin_;
-  step.dense.resize(record_.size);
-  step.dense[record_.begin] = begin_;
-  step.dense[record_.interval] = interval_;
-  std::ranges::copy(x_, &step.dense[record_.x]);
-  std::ranges::copy(inputs_, &step.dense[record_.inputs]);
+  step.dense.resize(CollocationRecord::size(blocks_));
+  step.dense[CollocationRecord::begin] = begin_;
+  step.dense[CollocationRecord::interval] = interval_;
+  std::ranges::copy(coefficients_, &step.dense[CollocationRecord::coefficients]);
 }
 
 // Finds the remainders at the nodes. Gives the error in units of the tolerance.
 double ExponentialCollocation::attempt() {
-  for (int node = 0; node < n_nodes; ++node) {
-    view_.forcing(begin_ + node * interval_, inputs_at(node));
-  }
+  set_forcing();
   set_sensitivities();
   predict();
   prepare_states();
@@ -205,60 +198,52 @@ void ExponentialCollocation::use_length(double interval) {
   }
 }
 
+void ExponentialCollocation::set_forcing() {
+  for (int node = 0; node < n_nodes; ++node) {
+    view_.forcing(begin_ + node * interval_, scratch_forcing_.data());
+    const double* value = scratch_forcing_.data();
+    for (const Input& input : blocks_.forcing()) coefficients_[input.at(node)] = *value++;
+  }
+}
+
 // By how much an error of each input, constant over the step, would change the states, in units of
 // their tolerances.
 void ExponentialCollocation::set_sensitivities() {
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const CollocationBlocks::Block& block = blocks_[b];
-    const std::vector<int>& states = block.equations->states;
-    const int n = static_cast<int>(states.size());
-    BlockState per_tolerance;
-    for (int k = 0; k < n; ++k) per_tolerance[k] = per_tolerance_[states[k]];
-    const double* gain = matrices_[b]->gains.data();
-    const auto set = [&](double& sensitivity) {
-      sensitivity = 0.0;
-      for (int k = 0; k < n; ++k) sensitivity = std::max(sensitivity, *gain++ * per_tolerance[k]);
-    };
-    for (int i = 0; i < block.equations->n_forcing; ++i) {
-      set(sensitivity_[block.first_forcing + i]);
-    }
-    for (int i = 0; i < block.equations->n_remainder; ++i) {
-      set(sensitivity_[block.first_remainder + i]);
-    }
-  }
+  const auto coefficients = Eigen::ArrayXd::Map(coefficients_.data(), nominals_.size());
+  tolerances_ = tolerance_ * (nominals_ + coefficients.abs());
+  const auto sensitivity_to = [&](const Input& input) {
+    const Block& block = blocks_[input.block];
+    const auto gain = matrices_[input.block]->gains.col(input.place_in_block);
+    return (gain / tolerances_.segment(block.first_state, block.n_states())).maxCoeff();
+  };
+  std::ranges::transform(blocks_.forcing(), sensitivity_to_forcing_.begin(), sensitivity_to);
+  std::ranges::transform(blocks_.remainder(), sensitivity_to_remainder_.begin(), sensitivity_to);
 }
 
 // Remainders at the nodes by the polynomials of the step before, moved to what is known at node 0.
 void ExponentialCollocation::predict() {
-  const int n = n_remainder();
   const auto& lagrange = lagrange_coefficients();
-  const auto weights_at = [&](double t) {
-    std::array<double, n_nodes> weights{};
-    if (!before_.known) return weights;
-    const double time = std::min((t - before_.begin) / before_.interval, furthest_prediction);
-    for (int l = 0; l < n_nodes; ++l) {
-      for (int q = input_degree; q >= 0; --q) weights[l] = weights[l] * time + lagrange(l, q);
-    }
-    return weights;
-  };
-  const auto now = weights_at(begin_);
-  const double* before = &before_.inputs[blocks_.n_forcing()];
-  const double* sensitivity = &sensitivity_[blocks_.n_forcing()];
-  for (int i = 0; i < n; ++i) {
-    double change = 0.0;
-    for (int l = 1; l < n_nodes; ++l) {
-      change = std::max(change, std::abs(before[l * blocks_.n_inputs() + i] - before[i]));
-    }
-    changes_[i] = change * sensitivity[i] > negligible ? 1.0 : 0.0;
+  // By how much a value at each node of the step before raises the values at the nodes of this one.
+  Eigen::Matrix<double, n_nodes, n_nodes> weights;
+  for (int node = 0; node < n_nodes; ++node) {
+    const double after = begin_ + node * interval_ - before_.begin;
+    const double time = std::min(after / before_.interval, furthest_prediction);
+    auto at_node = weights.col(node);
+    at_node = lagrange.col(input_degree);
+    for (int q = input_degree - 1; q >= 0; --q) at_node = at_node * time + lagrange.col(q);
   }
-  for (int node = 1; node < n_nodes; ++node) {
-    const auto then = weights_at(begin_ + node * interval_);
-    double* of_node = remainder_at(node);
-    std::copy_n(remainder_at(0), n, of_node);
-    for (int l = 0; l < n_nodes; ++l) {
-      const double* of_before = before + l * blocks_.n_inputs();
-      const double weight = then[l] - now[l];
-      for (int i = 0; i < n; ++i) of_node[i] += changes_[i] * weight * of_before[i];
+  for (int node = input_degree; node >= 0; --node) weights.col(node) -= weights.col(0);
+
+  const double* sensitivity = sensitivity_to_remainder_.data();
+  for (const Input& input : blocks_.remainder()) {
+    Eigen::Matrix<double, n_nodes, 1> before;
+    for (int l = 0; l < n_nodes; ++l) before[l] = before_.coefficients[input.at(l)];
+    const double change = (before.array() - before[0]).abs().maxCoeff();
+    const bool changes = change * *sensitivity++ > negligible;
+    if (!before_.known || !changes) before.setZero();
+    const double now = coefficients_[input.at(0)];
+    for (int node = 1; node < n_nodes; ++node) {
+      coefficients_[input.at(node)] = now + weights.col(node).dot(before);
     }
   }
 }
@@ -266,33 +251,27 @@ void ExponentialCollocation::predict() {
 // What all sweeps have in common of the watched states at the nodes.
 void ExponentialCollocation::prepare_states() {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    auto& [coefficients, settled, watched, rates] = of_block_[b];
-    blocks_.gather(blocks_[b], x_.data(), inputs_.data(), n_nodes, coefficients.data());
-    const int in_sweeps = input_degree * blocks_[b].equations->n_remainder;
-    const int in_common = blocks_[b].propagator->columns() - in_sweeps;
-    matrices_[b]->watched.product(in_common, coefficients.data(), settled.data());
+    const Block& block = blocks_[b];
+    const int in_common = block.first_remainder + block.n_remainder - block.first_state;
+    matrices_[b]->watched.product(in_common, &coefficients_[block.first_state],
+                                  at_nodes(settled_, b));
   }
 }
 
 // The watched states at the nodes, with the present remainders.
 void ExponentialCollocation::find_states() {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const CollocationBlocks::Block& block = blocks_[b];
-    const int n_r = block.equations->n_remainder;
-    auto& [coefficients, settled, watched, rates] = of_block_[b];
-    const int first = block.propagator->columns() - input_degree * n_r;
-    double* coefficient = &coefficients[first];
-    for (int node = 1; node < n_nodes; ++node) {
-      const double* remainder = inputs_at(node) + block.first_remainder;
-      for (int i = 0; i < n_r; ++i) *coefficient++ = remainder[i];
-    }
-    matrices_[b]->watched.add_product(first, input_degree * n_r, &coefficients[first],
-                                      settled.data(), watched.data());
-    const double* value = watched.data();
-    const std::size_t padding = block.propagator->padded_watched() - block.watched.size();
-    for (int node = 1; node < n_nodes; ++node, value += padding) {
-      double* x = x_at_node_[node].data();
-      for (const int state : block.watched) x[state] = *value++;
+    const Block& block = blocks_[b];
+    double* watched = at_nodes(watched_, b);
+    const int at_node_1 = block.first_remainder + block.n_remainder;
+    matrices_[b]->watched.add_product(at_node_1 - block.first_state,
+                                      input_degree * block.n_remainder, &coefficients_[at_node_1],
+                                      at_nodes(settled_, b), watched);
+    const std::size_t rows = block.propagator->padded_watched(), n = x_.size();
+    for (const int state : block.watched) {
+      double* x = &x_at_nodes_[state];
+      for (int k = 0; k < input_degree; ++k) x[(k + 1) * n] = watched[k * rows];
+      ++watched;
     }
   }
 }
@@ -300,17 +279,17 @@ void ExponentialCollocation::find_states() {
 // Remainders at the nodes from the states there. Gives the largest change in units of the
 // tolerance.
 double ExponentialCollocation::sweep() {
-  const double* sensitivity = &sensitivity_[blocks_.n_forcing()];
   double largest = 0.0;
   for (int node = 1; node < n_nodes; ++node) {
-    double* of_node = remainder_at(node);
-    const double* now = scratch_inputs_.data();
-    view_.remainder(begin_ + node * interval_, x_at_node_[node].data(), scratch_inputs_.data());
+    const double* now = scratch_remainder_.data();
+    view_.remainder(begin_ + node * interval_, x_at(node), scratch_remainder_.data());
     ++work_.evaluations;
-    for (int i = 0; i < n_remainder(); ++i) {
-      const double change = std::abs(now[i] - of_node[i]) * sensitivity[i];
+    const double* sensitivity = sensitivity_to_remainder_.data();
+    for (const Input& input : blocks_.remainder()) {
+      double& value = coefficients_[input.at(node)];
+      const double change = std::abs(*now - value) * *sensitivity++;
       if (!(change <= largest)) largest = change;  // also if it is not a number
-      of_node[i] = now[i];
+      value = *now++;
     }
   }
   return largest;
@@ -318,47 +297,53 @@ double ExponentialCollocation::sweep() {
 
 // The fourth difference of each input is about the error of a polynomial of one degree less.
 double ExponentialCollocation::interpolation_error() const {
-  const int n = blocks_.n_inputs();
-  const double* u = inputs_.data();
   double error = 0.0;
-  for (int i = 0; i < n; ++i) {
-    const double difference =
-        u[i] - 4.0 * u[n + i] + 6.0 * u[2 * n + i] - 4.0 * u[3 * n + i] + u[4 * n + i];
-    error = std::max(error, std::abs(difference) * sensitivity_[i]);
-  }
+  const auto compare = [&](const std::vector<Input>& inputs, const double* sensitivity) {
+    for (const Input& input : inputs) {
+      const auto u = [&](int node) { return coefficients_[input.at(node)]; };
+      const double difference = u(0) - 4.0 * u(1) + 6.0 * u(2) - 4.0 * u(3) + u(4);
+      error = std::max(error, std::abs(difference) * *sensitivity++);
+    }
+  };
+  compare(blocks_.forcing(), sensitivity_to_forcing_.data());
+  compare(blocks_.remainder(), sensitivity_to_remainder_.data());
   return error;
-}
-
-void ExponentialCollocation::find_rates() {
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    auto& [coefficients, settled, watched, rates] = of_block_[b];
-    matrices_[b]->rates.product(coefficients.data(), rates.data());
-  }
 }
 
 // --- what others ask for -------------------------------------------------------------------------
 
-double ExponentialCollocation::look(int k, double* z, double* slope) {
-  const int node = k + 1, n = blocks_.n_inputs();
-  const double t = node == input_degree ? t_ : begin_ + node * interval_;
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const double* rate = &of_block_[b].rates[k * blocks_[b].propagator->padded_watched()];
-    for (const int state : blocks_[b].watched) scratch_rates_[state] = *rate++;
-  }
-  std::ranges::fill(scratch_inputs_, 0.0);
-  for (int l = 0; l < n_nodes; ++l) {
-    const double weight = lagrange_slopes()(l, node) / interval_;
-    for (int i = blocks_.n_forcing(); i < n; ++i) scratch_inputs_[i] += weight * inputs_[l * n + i];
-  }
-  view_.indicators(t, x_at_node_[node].data(), scratch_rates_.data(), remainder_at(node),
-                   &scratch_inputs_[blocks_.n_forcing()], z, slope);
+double ExponentialCollocation::look(int k, double* z) {
+  const int node = k + 1;
+  double* remainder = scratch_remainder_.data();
+  for (const Input& input : blocks_.remainder()) *remainder++ = coefficients_[input.at(node)];
+  const double t = time_at(node);
+  view_.indicators(t, x_at(node), scratch_remainder_.data(), z);
   return t;
 }
 
+void ExponentialCollocation::look_closer(int k, double* slope) {
+  const int node = k + 1;
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    BlockState rates;
+    matrices_[b]->rates[k].product(&coefficients_[blocks_[b].first_state], rates.data());
+    const double* rate = rates.data();
+    for (const int state : blocks_[b].watched) scratch_rates_[state] = *rate++;
+  }
+  const Eigen::Matrix<double, n_nodes, 1> weights = lagrange_slopes().col(node) / interval_;
+  double *remainder = scratch_remainder_.data(), *rate = scratch_rates_of_remainder_.data();
+  for (const Input& input : blocks_.remainder()) {
+    *remainder++ = coefficients_[input.at(node)];
+    *rate = 0.0;
+    for (int l = 0; l < n_nodes; ++l) *rate += weights[l] * coefficients_[input.at(l)];
+    ++rate;
+  }
+  view_.indicator_rates(time_at(node), x_at(node), scratch_rates_.data(), scratch_remainder_.data(),
+                        scratch_rates_of_remainder_.data(), slope);
+}
+
 void ExponentialCollocation::derivatives(double t, const double* x, double* derivatives) {
-  view_.forcing(t, scratch_inputs_.data());
-  std::copy_n(remainder_at(t, x), n_remainder(), &scratch_inputs_[blocks_.n_forcing()]);
-  blocks_.derivatives(x, scratch_inputs_.data(), derivatives);
+  view_.forcing(t, scratch_forcing_.data());
+  blocks_.derivatives(x, scratch_forcing_.data(), remainder_at(t, x), derivatives);
 }
 
 // Kept, because the next step begins with it.

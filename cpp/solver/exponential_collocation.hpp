@@ -34,7 +34,8 @@ class ExponentialCollocation final : public hybrid::Integrator {
   void remember(const hybrid::Step& step) override;
   void advance(double stop, hybrid::Step& step, double* x1) override;
   int n_looks() const override { return n_looks_; }
-  double look(int k, double* z, double* slope) override;
+  double look(int k, double* z) override;
+  void look_closer(int k, double* slope) override;
   double next_size() const override;
   void derivatives(double t, const double* x, double* derivatives) override;
   void evaluate(const hybrid::Step& step, double t, double* x) override {
@@ -45,29 +46,31 @@ class ExponentialCollocation final : public hybrid::Integrator {
  private:
   // Of one interval, of every block.
   using Matrices = std::vector<const StepMatrices*>;
+  using Block = CollocationBlocks::Block;
+  using Input = CollocationBlocks::Input;
 
   double attempt();
   void write_record(hybrid::Step& step) const;
   void use_rung(int rung);
   void use_length(double interval);
+  void set_forcing();
   void set_sensitivities();
   void predict();
   void prepare_states();
   void find_states();
   double sweep();
   double interpolation_error() const;
-  void find_rates();
   const double* remainder_at(double t, const double* x);
-
-  double* inputs_at(int node) { return &inputs_[node * blocks_.n_inputs()]; }
-  double* remainder_at(int node) { return inputs_at(node) + blocks_.n_forcing(); }
-  int n_remainder() const { return blocks_.n_inputs() - blocks_.n_forcing(); }
+  double time_at(int node) const { return node == input_degree ? t_ : begin_ + node * interval_; }
+  const double* x_at(int node) const { return &x_at_nodes_[node * x_.size()]; }
+  double* at_nodes(std::vector<double>& values, std::size_t b) {
+    return &values[b * input_degree * most_states];
+  }
 
   hybrid::System& system_;
   hybrid::LinearView& view_;
   double tolerance_;
   CollocationBlocks blocks_;
-  CollocationRecord record_;
   CollocationStep inside_;
 
   // Where the solution is, and the interval to try next.
@@ -78,27 +81,26 @@ class ExponentialCollocation final : public hybrid::Integrator {
   // The step in work, or the latest.
   double begin_ = 0.0;
   double interval_ = Propagator::longest;
-  std::vector<double> per_tolerance_;  // of each state
   Matrices matrices_;
   std::vector<StepMatrices> made_to_measure_;
-  std::vector<double> inputs_;       // node by node
-  std::vector<double> sensitivity_;  // of each input
-  std::vector<double> changes_;      // 1 for each remainder that is predicted to change, else 0
-  std::vector<double> scratch_inputs_, scratch_rates_;
-  // Block by block: coefficients; watched states at nodes 1 to 4 without and with the remainders
-  // there; their rates.
-  struct Work {
-    std::vector<double> coefficients, settled, watched, rates;
-  };
-  std::vector<Work> of_block_;
-  std::vector<std::vector<double>> x_at_node_;  // whole states, of which the watched are set
+  std::vector<double> coefficients_;  // of all blocks
+  // Of the states among them, else of no use.
+  Eigen::ArrayXd nominals_, tolerances_;
+  // Of each forcing and each remainder.
+  std::vector<double> sensitivity_to_forcing_, sensitivity_to_remainder_;
+  // Block by block with room for most_states at each of the nodes 1 to 4: watched states without
+  // and with the remainders there.
+  std::vector<double> settled_, watched_;
+  std::vector<double> x_at_nodes_;  // whole states, node by node, of which the watched are set
+  std::vector<double> scratch_forcing_, scratch_remainder_, scratch_rates_of_remainder_,
+      scratch_rates_;
   int n_looks_ = 0;
 
   // The latest step, from which the next begins its search.
   struct {
     bool known = false;
-    double begin, interval;
-    std::vector<double> inputs;
+    double begin = 0.0, interval = 1.0;
+    std::vector<double> coefficients;
   } before_;
 
   // What the remainder was when somebody has asked for derivatives.

@@ -25,7 +25,7 @@ class RungeKuttaOutput final : public hybrid::DenseOutput {
 class CollocationOutput final : public hybrid::DenseOutput {
  public:
   explicit CollocationOutput(hybrid::System& system)
-      : blocks_(*system.linear_view()), inside_(system.n_states(), blocks_) {}
+      : blocks_(*system.linear_view()), inside_(blocks_) {}
   void mode_changed() override {
     blocks_.refresh();
     inside_.mode_changed();

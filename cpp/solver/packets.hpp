@@ -17,17 +17,27 @@ inline constexpr int padded(int rows) {
 class PacketMatrix {
  public:
   PacketMatrix() = default;
+  // Of zeros.
+  PacketMatrix(int rows, int columns)
+      : rows_(padded(rows)), columns_(columns), entries_(rows_ * columns_, 0.0) {}
   explicit PacketMatrix(const Eigen::MatrixXd& matrix)
-      : rows_(padded(static_cast<int>(matrix.rows()))),
-        columns_(static_cast<int>(matrix.cols())),
-        entries_(rows_ * columns_, 0.0) {
+      : PacketMatrix(static_cast<int>(matrix.rows()), static_cast<int>(matrix.cols())) {
     for (int c = 0; c < columns_; ++c) {
-      for (int r = 0; r < matrix.rows(); ++r) entries_[c * rows_ + r] = matrix(r, c);
+      for (int r = 0; r < matrix.rows(); ++r) (*this)(r, c) = matrix(r, c);
     }
   }
 
   int padded_rows() const { return rows_; }
-  int columns() const { return columns_; }
+  int n_columns() const { return columns_; }
+  const double& operator()(int row, int column) const { return entries_[column * rows_ + row]; }
+  double& operator()(int row, int column) { return entries_[column * rows_ + row]; }
+  // The numbers of some columns, padding included.
+  auto columns(int first, int count) {
+    return Eigen::ArrayXd::Map(entries_.data() + first * rows_, count * rows_);
+  }
+  auto columns(int first, int count) const {
+    return Eigen::ArrayXd::Map(entries_.data() + first * rows_, count * rows_);
+  }
 
   // y = y0 + columns first, first + 1, ... times `count` coefficients; padded_rows numbers each.
   // Without y0 it is zero.
@@ -62,22 +72,35 @@ class PacketMatrix {
     add_product(0, count, coefficients, nullptr, y);
   }
   void product(const double* coefficients, double* y) const { product(columns_, coefficients, y); }
+  // The first `count` columns times a matrix of so many rows.
+  PacketMatrix product(int count, const PacketMatrix& matrix) const {
+    PacketMatrix result(rows_, matrix.columns_);
+    for (int c = 0; c < matrix.columns_; ++c) product(count, &matrix(0, c), &result(0, c));
+    return result;
+  }
 
  private:
-  // So many packets stay in registers meanwhile.
+  // So many packets stay in registers meanwhile, if the compiler unrolls loops over them before it
+  // thinks of copying memory.
   template <int packets>
   void add_rows(const double* A, int count, const double* coefficients, const double* y0,
                 double* y) const {
     using Packet = Eigen::Array<double, packet_size, 1>;
     std::array<Packet, packets> sum;
-    for (int p = 0; p < packets; ++p) {
-      sum[p] = y0 == nullptr ? Packet(Packet::Zero()) : Packet(Packet::Map(y0 + p * packet_size));
+    if (y0 != nullptr) {
+#pragma GCC unroll 8
+      for (int p = 0; p < packets; ++p) sum[p] = Packet::Map(y0 + p * packet_size);
+    } else {
+#pragma GCC unroll 8
+      for (int p = 0; p < packets; ++p) sum[p].setZero();
     }
     for (int c = 0; c < count; ++c, A += rows_) {
+#pragma GCC unroll 8
       for (int p = 0; p < packets; ++p) {
         sum[p] += Packet::Map(A + p * packet_size) * coefficients[c];
       }
     }
+#pragma GCC unroll 8
     for (int p = 0; p < packets; ++p) Packet::Map(y + p * packet_size) = sum[p];
   }
 

@@ -44,17 +44,6 @@ double largest_eigenvalue(const MatrixXd& absolute) {
   return std::exp(logarithm);
 }
 
-MatrixXd product(const MatrixXd& a, const MatrixXd& b) {
-  const PacketMatrix packed(a);
-  MatrixXd result = MatrixXd::Zero(a.rows(), b.cols());
-  BlockState column;
-  for (int c = 0; c < b.cols(); ++c) {
-    packed.product(&b(0, c), column.data());
-    std::copy_n(column.data(), a.rows(), &result(0, c));
-  }
-  return result;
-}
-
 }  // namespace
 
 const Eigen::Matrix<double, n_nodes, n_nodes>& lagrange_coefficients() {
@@ -88,6 +77,11 @@ Propagator::Propagator(hybrid::LinearBlock block) : block_(std::move(block)) {
     throw std::invalid_argument("linear block: expected at most " + std::to_string(most_states) +
                                 " states, got " + std::to_string(n));
   }
+  Kind& constants = inputs_[0] = {block_.n_constants, 0, n, 1};
+  Kind& forcing = inputs_[1] = {block_.n_forcing, constants.count, constants.column(1), n_nodes};
+  inputs_[2] = {block_.n_remainder, forcing.first + forcing.count, forcing.column(n_nodes),
+                n_nodes};
+
   MatrixXd L_and_B(n, n + n_inputs());
   L_and_B << block_.L, block_.B;
   equations_ = PacketMatrix(L_and_B);
@@ -100,7 +94,6 @@ Propagator::Propagator(hybrid::LinearBlock block) : block_(std::move(block)) {
   for (int k = rungs - 2; k >= 0; --k) {
     exact_[k] = sum_of(exact_[k + 1], length(k + 1), exact_[k + 1]);
   }
-  for (const Exact& exact : exact_) ladder_.emplace_back(in_columns(exact));
 }
 
 Propagator::~Propagator() {
@@ -113,17 +106,22 @@ double Propagator::length(int rung) { return std::ldexp(longest, -rung); }
 
 // E = sum_i L^i d^i/i!,  V_q = sum_i L^i B d^(i+q+1)/(i+q+1)!
 Propagator::Exact Propagator::brief(double d) const {
-  const int n = n_states(), m = n_inputs();
-  Exact exact = Exact::Zero(n, n + n_nodes * m);
-  MatrixXd term(n, n + m);  // (L d)^i, (L d)^i B d
-  term << MatrixXd::Identity(n, n), block_.B * d;
+  const int n = n_states();
+  Exact exact(n, columns_);
+  PacketMatrix term(n, n + n_inputs());  // (L d)^i, (L d)^i B d
+  for (int s = 0; s < n; ++s) term(s, s) = 1.0;
+  term.columns(n, n_inputs()) = d * equations_.columns(n, n_inputs());
   for (int i = 0; i < n_terms; ++i) {
-    exact.leftCols(n) += term.leftCols(n) / factorial(i);
-    double power = 1.0;  // d^q
-    for (int q = 0; q < n_nodes; ++q, power *= d) {
-      exact.middleCols(n + q * m, m) += term.rightCols(m) * (power / factorial(i + q + 1));
+    exact.columns(0, n) += term.columns(0, n) / factorial(i);
+    for (const Kind& kind : inputs_) {
+      double power = 1.0;  // d^q
+      for (int q = 0; q < kind.n_orders; ++q, power *= d) {
+        exact.columns(kind.column(q), kind.count) +=
+            term.columns(n + kind.first, kind.count) * (power / factorial(i + q + 1));
+      }
     }
-    term = product(block_.L * d, term);
+    term = equations_.product(n, term);
+    term.columns(0, n + n_inputs()) *= d;
   }
   return exact;
 }
@@ -131,12 +129,14 @@ Propagator::Exact Propagator::brief(double d) const {
 // One length after another, the first as long as given: because of tau = d + (tau - d),
 //   E = E_2 E_1,  V_q = E_2 V_1q + sum_{i <= q} V_2i d^(q-i)/(q-i)!
 Propagator::Exact Propagator::sum_of(const Exact& first, double d, const Exact& second) const {
-  const int n = n_states(), m = n_inputs();
-  Exact both = product(second.leftCols(n), first);
-  for (int q = 0; q < n_nodes; ++q) {
-    double power = 1.0;
-    for (int i = q; i >= 0; --i, power *= d) {
-      both.middleCols(n + q * m, m) += second.middleCols(n + i * m, m) * (power / factorial(q - i));
+  Exact both = second.product(n_states(), first);
+  for (const Kind& kind : inputs_) {
+    for (int q = 0; q < kind.n_orders; ++q) {
+      double power = 1.0;
+      for (int i = q; i >= 0; --i, power *= d) {
+        both.columns(kind.column(q), kind.count) +=
+            second.columns(kind.column(i), kind.count) * (power / factorial(q - i));
+      }
     }
   }
   return both;
@@ -152,43 +152,28 @@ Propagator::Exact Propagator::exact(double length) const {
   return exact;
 }
 
-// From derivatives of inputs, input by input as everywhere: constants, forcing, remainder.
-MatrixXd Propagator::in_columns(const Exact& exact) const {
-  const int n = n_states(), m = n_inputs();
-  const int n_c = block_.n_constants, n_f = block_.n_forcing, n_r = block_.n_remainder;
-  MatrixXd columns(n, columns_);
-  columns.leftCols(n + n_c) = exact.leftCols(n + n_c);
-  for (int q = 0; q < n_nodes; ++q) {
-    const auto V = exact.middleCols(n + q * m, m);
-    columns.middleCols(n + n_c + q * n_f, n_f) = V.middleCols(n_c, n_f);
-    columns.middleCols(n + n_c + n_nodes * n_f + q * n_r, n_r) = V.rightCols(n_r);
-  }
-  return columns;
-}
-
 // The same for polynomials through the nodes, whose q-th derivatives at the beginning are
-// q!/d^q sum_l c_lq u_l.
-MatrixXd Propagator::in_columns_of_nodes(const Exact& exact, double d) const {
+// q!/d^q sum_l c_lq u_l. Constants are what they are, not values at node 0.
+PacketMatrix Propagator::for_nodes(const Exact& exact, double d) const {
   const auto& lagrange = lagrange_coefficients();
-  const int n = n_states(), m = n_inputs();
-  Exact of_nodes = Exact::Zero(n, exact.cols());
-  of_nodes.leftCols(n) = exact.leftCols(n);
-  double power = 1.0;
-  for (int q = 0; q < n_nodes; ++q, power *= d) {
-    for (int l = 0; l < n_nodes; ++l) {
-      of_nodes.middleCols(n + l * m, m) +=
-          exact.middleCols(n + q * m, m) * (lagrange(l, q) * factorial(q) / power);
+  PacketMatrix result(n_states(), columns_);
+  const int n_common = inputs_[1].first_column;
+  result.columns(0, n_common) = exact.columns(0, n_common);
+  for (const Kind& kind : {inputs_[1], inputs_[2]}) {
+    double power = 1.0;  // d^q
+    for (int q = 0; q < n_nodes; ++q, power *= d) {
+      for (int l = 0; l < n_nodes; ++l) {
+        result.columns(kind.column(l), kind.count) +=
+            exact.columns(kind.column(q), kind.count) * (lagrange(l, q) * factorial(q) / power);
+      }
     }
   }
-  MatrixXd columns = in_columns(of_nodes);
-  // Constants are what they are, not values at node 0.
-  columns.middleCols(n, block_.n_constants) = exact.middleCols(n, block_.n_constants);
-  return columns;
+  return result;
 }
 
 void Propagator::advance(int rung, const double* coefficients, double* x) const {
   if (rung < n_rungs()) {
-    ladder_[rung].product(coefficients, x);
+    exact_[rung].product(coefficients, x);
     return;
   }
   std::array<double, n_terms * most_states> terms;
@@ -252,28 +237,40 @@ StepMatrices Propagator::step_of(double interval) const {
 
 StepMatrices Propagator::step_from(const Exact& interval, double d) const {
   const int n = n_states(), n_watched = static_cast<int>(block_.watched.size());
-  const int n_c = block_.n_constants, n_f = block_.n_forcing, n_r = block_.n_remainder;
-  MatrixXd watched = MatrixXd::Zero(input_degree * padded_watched(), columns_);
-  MatrixXd rates = watched;
   StepMatrices step;
+  step.watched = PacketMatrix(input_degree * padded_watched(), columns_);
+  PacketMatrix equations_of_watched(n_watched, n + n_inputs());
+  for (int w = 0; w < n_watched; ++w) {
+    for (int c = 0; c < n + n_inputs(); ++c) {
+      equations_of_watched(w, c) = equations_(block_.watched[w], c);
+    }
+  }
   Exact to_node = interval;
   for (int node = 1; node < n_nodes; ++node) {
     if (node > 1) to_node = sum_of(to_node, (node - 1) * d, interval);
-    const MatrixXd columns = in_columns_of_nodes(to_node, d);
-    MatrixXd derivatives = product(block_.L, columns);
-    derivatives.middleCols(n, n_c) += block_.B.leftCols(n_c);
-    derivatives.middleCols(n + n_c + node * n_f, n_f) += block_.B.middleCols(n_c, n_f);
-    derivatives.middleCols(n + n_c + n_nodes * n_f + node * n_r, n_r) += block_.B.rightCols(n_r);
-    for (int w = 0; w < n_watched; ++w) {
-      const int row = (node - 1) * padded_watched() + w;
-      watched.row(row) = columns.row(block_.watched[w]);
-      rates.row(row) = derivatives.row(block_.watched[w]);
+    PacketMatrix x = for_nodes(to_node, d);
+    const int first_row = (node - 1) * padded_watched();
+    for (int c = 0; c < columns_; ++c) {
+      for (int w = 0; w < n_watched; ++w) step.watched(first_row + w, c) = x(block_.watched[w], c);
     }
-    if (node == input_degree) step.end = PacketMatrix(columns);
+    PacketMatrix& rates = step.rates[node - 1];
+    rates = equations_of_watched.product(n, x);
+    for (const Kind& kind : inputs_) {
+      rates.columns(kind.n_orders > 1 ? kind.column(node) : kind.first_column, kind.count) +=
+          equations_of_watched.columns(n + kind.first, kind.count);
+    }
+    if (node == input_degree) step.end = std::move(x);
   }
-  step.watched = PacketMatrix(watched);
-  step.rates = PacketMatrix(rates);
-  step.gains = to_node.middleCols(n + n_c, n_f + n_r).cwiseAbs();
+  const auto& [constants, forcing, remainder] = inputs_;
+  step.gains.resize(n, forcing.count + remainder.count);
+  for (const Kind& kind : {forcing, remainder}) {
+    for (int i = 0; i < kind.count; ++i) {
+      for (int s = 0; s < n; ++s) {
+        step.gains(s, kind.first + i - constants.count) =
+            std::abs(to_node(s, kind.first_column + i));
+      }
+    }
+  }
   return step;
 }
 

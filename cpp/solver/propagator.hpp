@@ -9,7 +9,7 @@
 // inputs that are known at their five ends, the nodes.
 //
 // The columns of all matrices are for: states at the beginning; constants; forcing; remainder. Of
-// forcing and remainder there are as many columns as nodes, or orders of derivatives.
+// forcing and remainder there are as many columns as nodes, or as orders q of derivatives.
 #pragma once
 
 #include <Eigen/Core>
@@ -42,10 +42,10 @@ const Eigen::Matrix<double, n_nodes, n_nodes>& lagrange_slopes();
 
 // The matrices of a step, for inputs at the nodes.
 struct StepMatrices {
-  PacketMatrix watched;   // watched states at nodes 1 to 4, each node's padded to packets
-  PacketMatrix rates;     // their derivatives
-  PacketMatrix end;       // all states at node 4
-  Eigen::MatrixXd gains;  // by how much constant forcing and remainder change states over the step
+  PacketMatrix watched;  // watched states at nodes 1 to 4, each node's padded to packets
+  std::array<PacketMatrix, input_degree> rates;  // their derivatives, node by node
+  PacketMatrix end;                              // all states at node 4
+  Eigen::ArrayXXd gains;  // by how much constant forcing and remainder change states over the step
 };
 
 class Propagator {
@@ -77,7 +77,7 @@ class Propagator {
   StepMatrices step_of(double interval) const;
 
   // Below the last rung Taylor's series takes over.
-  int n_rungs() const { return static_cast<int>(ladder_.size()); }
+  int n_rungs() const { return static_cast<int>(exact_.size()); }
   // The states after a length of the ladder, for derivatives of inputs at the beginning.
   void advance(int rung, const double* coefficients, double* x) const;
 
@@ -90,23 +90,30 @@ class Propagator {
   void sum(const double* terms, double time, double* x) const;
 
  private:
-  // E and V_q side by side, q by q.
-  using Exact = Eigen::MatrixXd;
+  // E and V_q side by side.
+  using Exact = PacketMatrix;
+
+  // Inputs of one kind: how many, the first of them among all, and their first column.
+  struct Kind {
+    int count, first, first_column;
+    int n_orders;  // of derivatives; constants have none but themselves
+
+    int column(int order) const { return first_column + order * count; }
+  };
 
   int n_inputs() const { return static_cast<int>(block_.B.cols()); }
   Exact brief(double length) const;
   Exact sum_of(const Exact& first, double length_of_first, const Exact& second) const;
   Exact exact(double length) const;
-  Eigen::MatrixXd in_columns(const Exact& exact) const;
-  Eigen::MatrixXd in_columns_of_nodes(const Exact& exact, double interval) const;
+  PacketMatrix for_nodes(const Exact& exact, double interval) const;
   StepMatrices step_from(const Exact& interval, double length) const;
 
   hybrid::LinearBlock block_;
+  std::array<Kind, 3> inputs_;  // constants, forcing, remainder
   int columns_;
   double fastest_;            // bound for the magnitudes of L's eigenvalues [1/s]
   PacketMatrix equations_;    // L and B
   std::vector<Exact> exact_;  // on the ladder
-  std::vector<PacketMatrix> ladder_;
   mutable std::array<std::atomic<const StepMatrices*>, lowest_rung + 1> steps_{};
   mutable std::mutex making_;
 };

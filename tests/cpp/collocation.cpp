@@ -67,15 +67,19 @@ class PushedPendulum : public Scripted, public hybrid::LinearView {
     latest_asked = std::max(latest_asked, t);
     values[0] = -G * std::sin(x[0]);
   }
-  void indicators(double t, const double* x, const double* dx, const double*, const double*,
-                  double* values, double* rates) override {
-    // Only what is watched is there.
+  // Only what is watched is there.
+  void indicators(double t, const double* x, const double*, double* values) override {
+    const std::array<double, 4> seen = {x[0], x[1], x[2], std::nan("")};
+    Scripted::indicators(t, seen.data(), values);
+  }
+  void indicator_rates(double t, const double* x, const double* dx, const double*, const double*,
+                       double* rates) override {
     const std::array<double, 4> seen = {x[0], x[1], x[2], std::nan("")};
     const std::array<double, 4> seen_rates = {dx[0], dx[1], dx[2], 0.0};
-    Scripted::indicators(t, seen.data(), values);
-    indicator_rates(t, seen.data(), seen_rates.data(), rates);
+    Scripted::indicator_rates(t, seen.data(), seen_rates.data(), rates);
   }
   bool extends_beyond_events() const override { return extends; }
+  using Scripted::indicator_rates;
   using Scripted::indicators;
 
  private:
@@ -195,7 +199,8 @@ TEST(LooksInsideAStepShowTheIndicatorsThere) {
     CHECK(k == 19 || integrator->n_looks() == 4);
     for (int look = 0; look < integrator->n_looks(); ++look) {
       std::array<double, 2> z, slope, expected, expected_slope;
-      const double t = integrator->look(look, z.data(), slope.data());
+      const double t = integrator->look(look, z.data());
+      integrator->look_closer(look, slope.data());
       CHECK(before < t && t <= step.t1);
       before = t;
       integrator->evaluate(step, t, inside.data());
@@ -258,6 +263,30 @@ TEST(AFastTransientThatLeavesItsDomainBetweenNodesIsFound) {
     run.to(0.1);
     CHECK_EQUAL(run.simulation.events().size(), 1u);
     CHECK(run.simulation.events().size() == 1 && run.simulation.events()[0].time < 0.0012);
+  }
+}
+
+TEST(AStepFarFromZeroIsNotLookedAtCloser) {
+  // How often the rates of an indicator are asked for, in a step of four intervals.
+  class Asked : public PushedPendulum {
+   public:
+    using PushedPendulum::PushedPendulum;
+    int n = 0;
+    void indicator_rates(double t, const double* x, const double* dx, const double* u,
+                         const double* du, double* rates) override {
+      ++n;
+      PushedPendulum::indicator_rates(t, x, dx, u, du, rates);
+    }
+    using PushedPendulum::indicator_rates;
+  };
+  // The angle swings up to 1.2 and stays there for longer than a step: not even 1e-5 away.
+  for (const double distance : {1.20001, 1.3}) {
+    Asked system(1, [=](double, const double* x, double* z) { z[0] = distance - x[0]; });
+    Run run(system, PushedPendulum::start(), 1e-7, Method::exponential);
+    run.to(3.0);
+    const long steps = run.simulation.statistics().work.steps;
+    CHECK(run.simulation.events().empty());
+    CHECK(distance > 1.25 ? system.n == steps : system.n > steps + 20);
   }
 }
 

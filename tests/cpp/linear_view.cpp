@@ -192,11 +192,9 @@ TEST(WhatIndicatorsAreToldByTheRemainderIsWhatTheyFind) {
       const std::vector<double> x = decided_state(*system, random, 0.3);
       for (int i = 0; i < system->n_axes(); ++i) held += system->branch(robot::friction, i) == 0;
       const Inputs inputs(view, 0.3, x.data());
-      const std::vector<double> still(x.size(), 0.0), no_rates(inputs.remainder.size(), 0.0);
-      std::vector<double> z(system->n_indicators()), told(z.size()), rates(z.size());
+      std::vector<double> z(system->n_indicators()), told(z.size());
       system->indicators(0.3, x.data(), z.data());
-      view.indicators(0.3, x.data(), still.data(), inputs.remainder.data(), no_rates.data(),
-                      told.data(), rates.data());
+      view.indicators(0.3, x.data(), inputs.remainder.data(), told.data());
       for (std::size_t i = 0; i < z.size(); ++i) CHECK_NEAR(told[i], z[i], 1e-12);
     }
   }
