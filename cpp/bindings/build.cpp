@@ -3,6 +3,7 @@
 #include <string>
 
 #include "bindings/bindings.hpp"
+#include "solver/propagator.hpp"
 #include "solver/version.hpp"
 
 namespace manutec_r3::bindings {
@@ -15,6 +16,8 @@ void register_build(py::module_& module) {
                                  std::to_string(EIGEN_MAJOR_VERSION) + "." +
                                  std::to_string(EIGEN_MINOR_VERSION);
   module.attr("sundials_version") = solver::sundials_version();
+  module.def("forget_propagators", &solver::forget_propagators,
+             "Make the exponential method begin as in a new process, for measurements.");
 }
 
 }  // namespace manutec_r3::bindings

@@ -297,11 +297,12 @@ struct Kept {
   std::shared_ptr<const Propagator> propagator;
 };
 
+std::mutex using_kept;
+std::list<Kept> kept;  // the latest used first
+
 }  // namespace
 
 std::shared_ptr<const Propagator> propagator_of(const hybrid::LinearBlock& block) {
-  static std::mutex using_kept;
-  static std::list<Kept> kept;  // the latest used first
   const std::size_t hash = hash_of(block.L) + 31 * hash_of(block.B);
   const auto find = [&]() -> std::shared_ptr<const Propagator> {
     const auto found = std::ranges::find_if(kept, [&](const Kept& one) {
@@ -321,6 +322,11 @@ std::shared_ptr<const Propagator> propagator_of(const hybrid::LinearBlock& block
   kept.push_front({hash, made});
   if (kept.size() > most_kept) kept.pop_back();
   return made;
+}
+
+void forget_propagators() {
+  const std::lock_guard lock(using_kept);
+  kept.clear();
 }
 
 }  // namespace manutec_r3::solver

@@ -121,5 +121,7 @@ class Propagator {
 // The propagator of a block, shared by all that have an equal one: the blocks of a robot recur in
 // its runs, and in those of similar robots.
 std::shared_ptr<const Propagator> propagator_of(const hybrid::LinearBlock& block);
+// Those in use go on living.
+void forget_propagators();
 
 }  // namespace manutec_r3::solver

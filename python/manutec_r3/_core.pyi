@@ -19,6 +19,8 @@ compiler_flags: str
 eigen_version: str
 sundials_version: str
 
+def forget_propagators() -> None: ...
+
 signal_names: tuple[str, ...]
 axis_elements: tuple[str, ...]
 

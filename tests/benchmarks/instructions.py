@@ -2,11 +2,11 @@
 
     python tests/benchmarks/instructions.py
 
-Builds `right_hand_side.cpp` for the baseline processor and for x86-64-v3. One evaluation takes the
-difference of two runs, one of which evaluates the same case more often.
+Builds `right_hand_side.cpp` with the cores that Python gets, for the baseline processor and for
+x86-64-v3. One evaluation takes the difference of two runs, one of which evaluates the same case
+more often.
 """
 
-import platform
 import re
 import subprocess
 import sys
@@ -15,9 +15,7 @@ from tempfile import TemporaryDirectory
 
 SOURCE = Path(__file__).parents[2]
 FEW, MANY = 64, 1088  # evaluations: whole rounds through the 64 states that the program sees
-PROCESSORS = {"baseline": ""}
-if platform.machine() == "x86_64":
-    PROCESSORS["x86-64-v3"] = "-march=x86-64-v3"
+PREFIX = "right_hand_side_"  # of programs; the rest says for which processor
 
 
 def output(*command):
@@ -28,20 +26,19 @@ def output(*command):
     return done.stdout
 
 
-def build(folder, flags):
-    """The program, for one processor."""
+def build(folder):
+    """The programs, by processor."""
     options = {
         "CMAKE_BUILD_TYPE": "Release",
-        "CMAKE_CXX_FLAGS": flags,
         "MANUTEC_R3_PYTHON": "OFF",
         "MANUTEC_R3_BENCHMARKS": "ON",
         "Python_EXECUTABLE": sys.executable,
     }
     defined = (f"-D{name}={value}" for name, value in options.items())
     output("cmake", "-S", SOURCE, "-B", folder, *defined)
-    output("cmake", "--build", folder, "--target", "right_hand_side", "--parallel", "2")
-    (program,) = Path(folder).rglob("right_hand_side")
-    return program
+    output("cmake", "--build", folder, "--target", "right_hand_sides", "--parallel", "2")
+    programs = sorted((Path(folder) / "tests" / "benchmarks").glob(f"{PREFIX}*"))
+    return {program.name.removeprefix(PREFIX): program for program in programs}
 
 
 def names(program):
@@ -62,15 +59,15 @@ def collected(program, name, count):
 def table():
     """The counts as Markdown."""
     counts = {}
-    for processor, flags in PROCESSORS.items():
-        with TemporaryDirectory() as folder:
-            program = build(folder, flags)
+    with TemporaryDirectory() as folder:
+        programs = build(folder)
+        for processor, program in programs.items():
             for name in names(program):
                 more = collected(program, name, MANY) - collected(program, name, FEW)
                 counts.setdefault(name, {})[processor] = round(more / (MANY - FEW))
     lines = [
-        ("instructions", *PROCESSORS),
-        ("---", *("---:" for _ in PROCESSORS)),
+        ("instructions", *programs),
+        ("---", *("---:" for _ in programs)),
         *((name.replace("_", " "), *map(str, row.values())) for name, row in counts.items()),
     ]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
