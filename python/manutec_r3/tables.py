@@ -28,6 +28,9 @@ class Rows(Mapping):
     def __len__(self) -> int:
         return len(self._rows)
 
+    def __hash__(self) -> int:
+        return hash(frozenset(self._rows.items()))
+
     def __repr__(self) -> str:
         return repr(self._rows)
 
