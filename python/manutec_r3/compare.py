@@ -148,6 +148,12 @@ class Comparison:
         """Curves, those that leave their tubes first, then by their relative deviation."""
         return sorted(self.curves, key=lambda c: (not c.agrees, _relative(c)), reverse=True)[:n]
 
+    def plot(self, n: int = 3, axes: "np.ndarray | None" = None) -> np.ndarray:
+        """Draw the curves that deviate most; see `manutec_r3.plot.comparison`."""
+        from . import plot
+
+        return plot.comparison(self, n, axes)
+
     def __str__(self) -> str:
         lines = [
             f"{'agrees' if self.agrees else 'differs'} from {self.begin:g} to {self.end:g} s",

@@ -11,6 +11,7 @@ from .arguments import floats
 from .events import Events
 from .inputs import Inputs
 from .limits import LimitExcess, limit_events, limit_excesses
+from .pictures import Pictures
 from .signals import Signals, signal_names
 
 Method = Literal["exponential", "erk", "bdf"]
@@ -115,7 +116,7 @@ class Samples(Signals):
         return len(self.time)
 
 
-class Result(Samples):
+class Result(Samples, Pictures):
     """A run: signals at all steps of the integrator, or at the times asked for, and at all events.
 
     At an event both sides are recorded: its instant stands twice in `time`, before and after.
