@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from . import plot as pictures
 from .arguments import number
 from .compare_events import EventComparison, compare_events
 from .events import Events
@@ -148,11 +149,7 @@ class Comparison:
         """Curves, those that leave their tubes first, then by their relative deviation."""
         return sorted(self.curves, key=lambda c: (not c.agrees, _relative(c)), reverse=True)[:n]
 
-    def plot(self, n: int = 3, axes: "np.ndarray | None" = None) -> np.ndarray:
-        """Draw the curves that deviate most; see `manutec_r3.plot.comparison`."""
-        from . import plot
-
-        return plot.comparison(self, n, axes)
+    plot = pictures.comparison  # takes a comparison first: a method as it is
 
     def __str__(self) -> str:
         lines = [

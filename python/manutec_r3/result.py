@@ -7,11 +7,11 @@ from typing import Any, Literal
 import numpy as np
 
 from . import _core
+from . import plot as pictures
 from .arguments import floats
 from .events import Events
 from .inputs import Inputs
 from .limits import LimitExcess, limit_events, limit_excesses
-from .pictures import Pictures
 from .signals import Signals, signal_names
 
 Method = Literal["exponential", "erk", "bdf"]
@@ -116,7 +116,7 @@ class Samples(Signals):
         return len(self.time)
 
 
-class Result(Samples, Pictures):
+class Result(Samples):
     """A run: signals at all steps of the integrator, or at the times asked for, and at all events.
 
     At an event both sides are recorded: its instant stands twice in `time`, before and after.
@@ -141,6 +141,14 @@ class Result(Samples, Pictures):
     status : str
         ``completed``, or why it ended before its time.
     """
+
+    # The pictures take a result first: they are methods as they are.
+    plot = pictures.figure9
+    plot_events = pictures.events
+    plot_friction = pictures.friction
+    plot_backlash = pictures.backlash
+    plot_phase = pictures.phase
+    plot_stroboscope = pictures.stroboscope
 
     def __init__(
         self,

@@ -4,16 +4,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..result import Result
 from .panels import check_axis, check_result, head, single
 from .stays import mark_knots, shade, stays
 from .style import COLUMN, HAIR, REFERENCE, SIMULATED, THIN, TUBE, label, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ..result import Result
 
 
-def backlash(result: Result, axis: int = 1, axes: "Axes | None" = None) -> "Axes":
+def backlash(result: "Result", axis: int = 1, axes: "Axes | Figure | None" = None) -> "Axes":
     """Draw the deflection of an elastic gear, seen from the rotor, `delta = rq - p aq`.
 
     Behind it lies the gap of the backlash, `|delta| <= b` (specification section 5.2). The time in

@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..compare import Comparison, CurveComparison
 from .panels import explain, grid, has_whole_figure
 from .stays import shade
 from .style import (
@@ -27,9 +26,14 @@ from .style import (
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ..compare import Comparison, CurveComparison
 
 
-def comparison(compared: Comparison, n: int = 3, axes: "np.ndarray | None" = None) -> np.ndarray:
+def comparison(
+    compared: "Comparison", n: int = 3, axes: "np.ndarray | Figure | None" = None
+) -> np.ndarray:
     """Draw where a result and its reference part.
 
     For the curves that deviate most, those that leave their tubes first: the curve with its
@@ -57,6 +61,8 @@ def comparison(compared: Comparison, n: int = 3, axes: "np.ndarray | None" = Non
     ImportError
         If Matplotlib is not installed.
     """
+    from ..compare import Comparison  # which draws itself by this function
+
     if not isinstance(compared, Comparison):
         raise TypeError(f"compared: expected what `compare` returns, got {compared!r}")
     if isinstance(n, bool) or not isinstance(n, int):
@@ -82,7 +88,7 @@ def comparison(compared: Comparison, n: int = 3, axes: "np.ndarray | None" = Non
     return panels
 
 
-def _verdict(compared: Comparison) -> str:
+def _verdict(compared: "Comparison") -> str:
     outside = sum(not curve.agrees for curve in compared.curves)
     curves = f"{outside} of {len(compared.curves)} curves leave the tube"
     if not outside:
@@ -92,7 +98,7 @@ def _verdict(compared: Comparison) -> str:
     return f"{curves.capitalize()}, events {'agree' if compared.events_agree else 'differ'}"
 
 
-def _draw_tube(panel: "Axes", curve: CurveComparison) -> None:
+def _draw_tube(panel: "Axes", curve: "CurveComparison") -> None:
     panel.fill_between(
         curve.time, curve.lower, curve.upper, color=TUBE, linewidth=0.0, label="tube"
     )
@@ -102,7 +108,7 @@ def _draw_tube(panel: "Axes", curve: CurveComparison) -> None:
     panel.plot(curve.time, curve.value, color=SIMULATED, linewidth=THIN, label="result")
 
 
-def _draw_difference(panel: "Axes", curve: CurveComparison, tube: float) -> None:
+def _draw_difference(panel: "Axes", curve: "CurveComparison", tube: float) -> None:
     panel.plot(curve.difference_time, curve.difference, color=SIMULATED, linewidth=THIN)
     shown = panel.get_ylim()
     panel.axhspan(-tube, tube, color=TUBE, linewidth=0.0, zorder=0.5)
@@ -114,7 +120,7 @@ def _draw_difference(panel: "Axes", curve: CurveComparison, tube: float) -> None
         note(panel, f"largest {deviation}")
 
 
-def _mark(panel: "Axes", compared: Comparison, curve: CurveComparison) -> None:
+def _mark(panel: "Axes", compared: "Comparison", curve: "CurveComparison") -> None:
     """Mark, behind the curves, when the curve is outside its tube and events that differ."""
     edges = np.flatnonzero(np.diff(curve.outside, prepend=False, append=False))
     begin, last = curve.time[edges[::2]], curve.time[edges[1::2] - 1]

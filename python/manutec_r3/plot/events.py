@@ -4,14 +4,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..result import Result
-from ..robot import Robot
 from .panels import check_result, head, name_of, single
 from .stays import Stays, mark_knots, stays
 from .style import BRANCHES, PAGE, SMALL, TEXT, label, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ..result import Result
+    from ..robot import Robot
 
 # What branches mean, whatever the element.
 _MEANINGS = {
@@ -25,7 +27,7 @@ _BETWEEN_AXES = 0.7  # of a row
 _LEFT = -48.0  # of the rows: the number of the axis [pt]
 
 
-def events(result: Result, axes: "Axes | None" = None) -> "Axes":
+def events(result: "Result", axes: "Axes | Figure | None" = None) -> "Axes":
     """Draw a timeline by axis and element: which branch when.
 
     Each row is an element of an axis. Its bar lies above the middle in branch +1 and below it in
@@ -91,7 +93,7 @@ def events(result: Result, axes: "Axes | None" = None) -> "Axes":
     return panel
 
 
-def _rows(result: Result) -> list[tuple[int, str, Stays]]:
+def _rows(result: "Result") -> list[tuple[int, str, Stays]]:
     """Return what has a row: axis (0: the whole robot), element, and its stays."""
     robot = result.robot
     rows = []
@@ -110,7 +112,7 @@ def _rows(result: Result) -> list[tuple[int, str, Stays]]:
     return rows
 
 
-def _switches(robot: Robot, axis: int, element: str) -> bool:
+def _switches(robot: "Robot", axis: int, element: str) -> bool:
     """Whether an axis has an element that can switch."""
     if element == "voltage_limit":  # an option of the whole robot, not among its indicators
         return True
@@ -126,7 +128,7 @@ def _draw(panel: "Axes", place: float, row: Stays) -> None:
         if chosen.any():
             lower, height = _PLACES[branch]
             panel.broken_barh(
-                np.column_stack((row.begin, row.end - row.begin))[chosen],
+                list(zip(row.begin[chosen], (row.end - row.begin)[chosen], strict=True)),
                 (place + lower, height),
                 color=BRANCHES[branch],
                 linewidth=0.3,  # else a short stay could not be seen

@@ -4,16 +4,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..result import Result
 from .panels import check_result, explain, grid, has_whole_figure, name_of
 from .stays import mark_knots, shade, sticking
 from .style import BROAD, HAIR, LINE, PAGE, REFERENCE, SIMULATED, THIN, entitle, label, note, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ..result import Result
 
 
-def figure9(result: Result, axes: "np.ndarray | None" = None) -> np.ndarray:
+def figure9(result: "Result", axes: "np.ndarray | Figure | None" = None) -> np.ndarray:
     """Draw a result as the report's Figure 9 does.
 
     For each axis the joint angle with its reference, the control error and the motor torque,

@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..result import Result
 from .panels import check_axis, check_result, head, single
 from .stays import sticking
 from .style import (
@@ -23,11 +22,14 @@ from .style import (
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ..result import Result
 
 _BEYOND = 1.08  # the characteristic is drawn a little further than the rotor turned
 
 
-def friction(result: Result, axis: int = 1, axes: "Axes | None" = None) -> "Axes":
+def friction(result: "Result", axis: int = 1, axes: "Axes | Figure | None" = None) -> "Axes":
     """Draw the friction torque of an axis over its rotor rate.
 
     Behind it lies the characteristic NL3 of the axis (specification section 5.1): two branches
@@ -107,7 +109,7 @@ def _mark_sticking(panel: "Axes", torque: np.ndarray, sticks: np.ndarray) -> Non
             panel.plot(np.zeros(len(at)), torque[at], markerfacecolor=face, label=name, **POINT)
 
 
-def _characteristic(result: Result, axis: int, largest: float) -> tuple[np.ndarray, np.ndarray]:
+def _characteristic(result: "Result", axis: int, largest: float) -> tuple[np.ndarray, np.ndarray]:
     """Corners of the characteristic as far as a rate, its last segment extended if necessary."""
     table = result.robot.parameters["table_2"]
     rates, torques = np.array(table["friction"][axis - 1]).T
@@ -117,4 +119,9 @@ def _characteristic(result: Result, axis: int, largest: float) -> tuple[np.ndarr
     inside = rates < end
     corner_rates = np.concatenate(([0.0], rates[inside], [end]))
     corner_torques = np.concatenate(([table["rM_h"][axis - 1]], torques[inside], [last]))
-    return tuple(np.concatenate((-a[::-1], a)) for a in (corner_rates, corner_torques))
+    return _odd(corner_rates), _odd(corner_torques)
+
+
+def _odd(values: np.ndarray) -> np.ndarray:
+    """Return values that start at zero rate, with their opposites before them."""
+    return np.concatenate((-values[::-1], values))

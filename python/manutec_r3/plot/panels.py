@@ -4,12 +4,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..result import Result
 from .style import HEADING, LABEL, SMALL, TEXT, entitle, typeset
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from ..result import Result
 
 _MILLIMETRE = 1.0 / 25.4  # inches, in which Matplotlib counts
 
@@ -152,11 +153,13 @@ def head(panel: "Axes", title: str, remark: str = "", columns: int = 3) -> None:
 
 def check_result(result: Any) -> None:
     """Refuse what is no result."""
+    from ..result import Result  # which draws itself by these functions
+
     if not isinstance(result, Result):
         raise TypeError(f"result: expected a Result, got {result!r}")
 
 
-def check_axis(result: Result, axis: Any) -> int:
+def check_axis(result: "Result", axis: Any) -> int:
     """Return the number of an axis that the robot of a result has."""
     n = result.robot.n_axes
     expected = f"an axis from 1 to {n}" if n > 1 else "axis 1"
@@ -167,7 +170,7 @@ def check_axis(result: Result, axis: Any) -> int:
     return int(axis)
 
 
-def name_of(result: Result) -> str:
+def name_of(result: "Result") -> str:
     """Say which robot and load a result is of."""
     robot = result.robot
     carried = f"load {robot.load.mass:g} kg" if robot.load.mass else "no load"

@@ -2,7 +2,6 @@
 
 from typing import TYPE_CHECKING, Literal
 
-from ..result import Result
 from .panels import check_axis, check_result, head, single
 from .style import (
     BROAD,
@@ -20,13 +19,16 @@ from .style import (
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ..result import Result
 
 
 def phase(
-    result: Result,
+    result: "Result",
     axis: int = 1,
     of: Literal["angle", "error"] = "angle",
-    axes: "Axes | None" = None,
+    axes: "Axes | Figure | None" = None,
 ) -> "Axes":
     """Draw the phase plane of an axis, joint side.
 

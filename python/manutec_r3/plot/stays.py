@@ -4,11 +4,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..result import Result
 from .style import LINE, SHADE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from ..result import Result
 
 
 class Stays(NamedTuple):
@@ -19,7 +20,7 @@ class Stays(NamedTuple):
     branch: np.ndarray
 
 
-def stays(result: Result, axis: int, element: str) -> Stays:
+def stays(result: "Result", axis: int, element: str) -> Stays:
     """Return in which branch an element of an axis is when: between the start, events, the end."""
     switches = [e for e in result.events if (e.axis, e.element) == (axis, element)]
     instants = [0.0, *(switch.time for switch in switches), result.t_end]
@@ -28,7 +29,7 @@ def stays(result: Result, axis: int, element: str) -> Stays:
     return Stays(np.array(instants[:-1]), np.array(instants[1:]), np.array(branches))
 
 
-def sticking(result: Result, axis: int) -> tuple[np.ndarray, np.ndarray]:
+def sticking(result: "Result", axis: int) -> tuple[np.ndarray, np.ndarray]:
     """Intervals in which an axis sticks.
 
     Parameters
@@ -63,7 +64,7 @@ def shade(
     """Shade intervals of time behind all else, over the whole height."""
     if begin.size:
         panel.broken_barh(
-            np.column_stack((begin, end - begin)),
+            list(zip(begin, end - begin, strict=True)),
             (0.0, 1.0),
             transform=panel.get_xaxis_transform(),
             color=color,
@@ -73,7 +74,7 @@ def shade(
         )
 
 
-def mark_knots(panel: "Axes", result: Result) -> None:
+def mark_knots(panel: "Axes", result: "Result") -> None:
     """Mark, behind all else, where the reference is not smooth."""
     for event in result.events:
         if event.element == "reference":

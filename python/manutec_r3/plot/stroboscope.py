@@ -4,24 +4,27 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from ..result import Result
 from .panels import check_result, head, single
 from .style import COLUMN, EMPHASIS, HAIR, LINE, SIMULATED, SMALL, TEXT, label, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ..result import Result
 
 _POINTS_OF_PATH = 600
 _PALEST = 0.2  # opacity of the first pose
+_MARGIN = 0.12  # of the extent of the arm, for the instants written beside it
 _APART = 0.15  # of the extent of the path: instants that are closer are not both written
 _AXES = {"side": ("forward [m]", "height [m]"), "top": ("x [m]", "y [m]")}
 
 
 def stroboscope(
-    result: Result,
+    result: "Result",
     n: int = 11,
     view: Literal["side", "top"] = "side",
-    axes: "Axes | None" = None,
+    axes: "Axes | Figure | None" = None,
 ) -> "Axes":
     """Draw the arm in equal intervals of time, and the path of its load.
 
@@ -81,15 +84,19 @@ def stroboscope(
         *poses[:, -1].T, color=EMPHASIS, marker="o", markersize=3.0, linestyle="none", zorder=3
     )
     _write_instants(panel, time, poses)
-    panel.set_aspect("equal", adjustable="datalim")
     tidy(panel)
-    panel.margins(0.08)
+    seen = np.concatenate((poses.reshape(-1, 2), path))
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    around = _MARGIN * (high - low).max()
+    panel.update_datalim((low - around, high + around))  # as margins are not kept with this aspect
+    panel.margins(0.0)
+    panel.set_aspect("equal", adjustable="datalim")
     label(panel, *_AXES[view])
     head(panel, f"The arm from the {view}", f"every {time[1]:.3g} s", columns=2)
     return panel
 
 
-def _seen(result: Result, time: np.ndarray, view: str) -> np.ndarray:
+def _seen(result: "Result", time: np.ndarray, view: str) -> np.ndarray:
     """Foot, joints and load or tip as they are seen, (n, 8, 2) [m]."""
     robot = result.robot
     angles = result.at(time).joint_angle

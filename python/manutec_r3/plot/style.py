@@ -4,7 +4,7 @@ Colours differ in lightness as well as in hue: they are told apart in grey print
 vision. What is expected is broad and pale and lies behind; what came out is thin and dark.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,7 +41,7 @@ _ROUNDOFF = 1e-9
 _AROUND_REST = 0.05
 
 # A moment of a curve.
-POINT = {
+POINT: dict[str, Any] = {
     "color": EMPHASIS,
     "marker": "o",
     "markersize": 3.6,
