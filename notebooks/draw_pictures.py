@@ -19,7 +19,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 import manutec_r3 as r3
 from manutec_r3.accuracy import PROMISED
 from manutec_r3.bench.precision import Point, work_precision
-from manutec_r3.plot import figure9
+from manutec_r3.plot import figure9, new_figure
 
 PICTURES = Path(__file__).parent / "pictures"
 
@@ -314,7 +314,9 @@ def main(folder: Path = PICTURES, repeats: int = 15) -> None:
     # Words as outlines look the same everywhere; without salt and date so does the file.
     with mpl.rc_context({"svg.fonttype": "path", "svg.hashsalt": "blocks", "path.simplify": True}):
         blocks().savefig(folder / "blocks.svg", transparent=True, metadata={"Date": None})
-        figure9(r3.Scenario.load("figure9").run()).savefig(folder / "figure9.png", dpi=130)
+        figure = new_figure()
+        figure9(r3.Scenario.load("figure9").run(), figure)
+        figure.savefig(folder / "figure9.png", dpi=200)
         points = work_precision(r3.Scenario.load("figure9"), repeats=repeats)
         precision(points).savefig(folder / "precision.png", dpi=110)
 

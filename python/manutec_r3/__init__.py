@@ -12,6 +12,7 @@ A `Robot` that follows a motion is simulated by `simulate`, or step by step by a
 All quantities are in SI units; axes are counted from 1.
 """
 
+from . import plot
 from .build_info import BuildInfo, build_info
 from .check import Check, check
 from .compare import Comparison, CurveComparison, compare
@@ -61,6 +62,7 @@ __all__ = [
     "check",
     "compare",
     "compare_events",
+    "plot",
     "scenarios",
     "simulate",
     "simulate_many",

@@ -20,7 +20,7 @@ from .bench import PARTS, for_markdown, for_terminal, machine
 from .check import Check
 from .check import check as compute_checks
 from .errors import SimulationError
-from .plot import figure9
+from .plot import figure9, new_figure
 from .result import Method, Result
 from .scenario import Scenario, scenarios
 
@@ -329,12 +329,13 @@ def _write(out: Console, scenario: Scenario, result: Result, folder: Path) -> No
     write_events(files[1], result)
     missing = None
     try:
-        picture = figure9(result)
+        picture = new_figure()
     except ImportError as error:
         missing = error
     else:
+        figure9(result, picture)
         files.append(folder / f"{scenario.name}.png")
-        picture.savefig(files[-1], dpi=200)
+        picture.savefig(files[-1], dpi=300)
     out.print()
     for file in files:
         out.print(f"wrote {file}", markup=False, soft_wrap=True)

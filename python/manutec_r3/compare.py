@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from . import plot as pictures
 from .arguments import number
 from .compare_events import EventComparison, compare_events
 from .events import Events
@@ -147,6 +148,8 @@ class Comparison:
     def worst(self, n: int | None = None) -> list[CurveComparison]:
         """Curves, those that leave their tubes first, then by their relative deviation."""
         return sorted(self.curves, key=lambda c: (not c.agrees, _relative(c)), reverse=True)[:n]
+
+    plot = pictures.comparison  # takes a comparison first: a method as it is
 
     def __str__(self) -> str:
         lines = [

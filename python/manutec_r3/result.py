@@ -7,6 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from . import _core
+from . import plot as pictures
 from .arguments import floats
 from .events import Events
 from .inputs import Inputs
@@ -140,6 +141,14 @@ class Result(Samples):
     status : str
         ``completed``, or why it ended before its time.
     """
+
+    # The pictures take a result first: they are methods as they are.
+    plot = pictures.figure9
+    plot_events = pictures.events
+    plot_friction = pictures.friction
+    plot_backlash = pictures.backlash
+    plot_phase = pictures.phase
+    plot_stroboscope = pictures.stroboscope
 
     def __init__(
         self,
