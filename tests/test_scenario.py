@@ -1,9 +1,14 @@
 """Scenarios: what comes with the package, files of one's own, and mistakes in them."""
 
+import pickle
 import re
+import tomllib
 
 import numpy as np
 import pytest
+import tomli_w
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import manutec_r3 as r3
 
@@ -300,3 +305,146 @@ def test_an_unknown_name_brings_the_nearest():
 def test_a_missing_file_is_an_operating_system_error(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"mine\.toml"):
         r3.Scenario.load(tmp_path / "mine.toml")
+
+
+# --- written back -------------------------------------------------------------------------------
+
+
+def every_scenario():
+    return pytest.mark.parametrize("name", r3.scenarios())
+
+
+@every_scenario()
+def test_a_scenario_is_saved_as_it_was_loaded_comments_included(tmp_path, name):
+    scenario = r3.Scenario.load(name)
+    scenario.save(tmp_path / "copy.toml")
+    assert (tmp_path / "copy.toml").read_text(encoding="utf-8") == scenario.source
+    assert r3.Scenario.load(tmp_path / "copy.toml") == scenario
+
+
+@every_scenario()
+def test_a_scenario_that_was_changed_is_saved_without_loss(tmp_path, name):
+    changed = r3.Scenario.load(name).replace(
+        rtol=1 / 3 * 1e-6, record={"times": [0.1, 1 / 3], "list_limits": True}
+    )
+    changed.save(tmp_path / "changed.toml")
+    again = r3.Scenario.load(tmp_path / "changed.toml")
+    assert again == changed
+    assert again != r3.Scenario.load(name)
+    assert hash(again) == hash(changed)
+    assert pickle.loads(pickle.dumps(again)) == changed
+
+
+def test_every_option_is_saved_without_loss(write, tmp_path):
+    text = OPTIONS.replace("nothing = 0", "rF_nom = 3.5")
+    scenario = r3.Scenario.load(write(text))
+    changed = scenario.replace(description='with "quotes"\nand lines')
+    changed.save(tmp_path / "again.toml")
+    again = r3.Scenario.load(tmp_path / "again.toml")
+    assert again == changed
+    assert again.robot.table_3 == scenario.robot.table_3
+
+
+@given(angles=st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3), rtol=st.floats(1e-14, 1e-2))
+@settings(max_examples=50)  # a file each
+def test_numbers_are_saved_to_the_last_digit(tmp_path_factory, angles, rtol):
+    path = tmp_path_factory.mktemp("numbers") / "mine.toml"
+    robot = r3.Robot(model=4, load=r3.Load(abs(angles[0])), table_2={"b": {2: abs(angles[1])}})
+    scenario = r3.Scenario("mine", robot, r3.Hold(angles), 1.0, rtol=rtol, start=[0.1] * 36)
+    scenario.save(path)
+    assert r3.Scenario.load(path) == scenario
+
+
+def test_what_a_file_cannot_hold_is_refused(tmp_path):
+    robot = r3.Robot(model=4, controller=None)
+    scenario = r3.Scenario("mine", robot, None, 1.0, inputs={"motor_torque": lambda t: [t, 0, 0]})
+    with pytest.raises(TypeError, match=r"inputs motor_torque: .* a file holds no function"):
+        scenario.save(tmp_path / "mine.toml")
+    motion = r3.FunctionMotion(lambda t: [t] * 3, lambda t: [1.0] * 3, duration=1.0)
+    with pytest.raises(TypeError, match=r"motion: expected one of quintic, .*, got FunctionMotion"):
+        r3.Scenario("mine", r3.Robot(model=4), motion, 1.0).save(tmp_path / "mine.toml")
+    with pytest.raises(ValueError, match=r"path: expected one that ends in \.toml, got '.*x\.txt'"):
+        r3.Scenario("mine", r3.Robot(model=4), r3.Hold([0.0] * 3), 1.0).save(tmp_path / "x.txt")
+
+
+def test_a_file_says_what_to_record(write):
+    text = MINE + "[record]\ntimes = [0.0, 0.02]\nlist_limits = true\n"
+    result = r3.Scenario.load(write(text)).run()
+    times = {0.0, 0.02, *(event.time for event in result.events), result.time[-1]}
+    assert set(result.time) == times
+    with pytest.raises(
+        ValueError, match=r"\[record\]: list_samples: expected true or false, got 1"
+    ):
+        r3.Scenario.load(write(MINE + "[record]\nlist_samples = 1\n"))
+
+
+# --- any file at all ----------------------------------------------------------------------------
+
+ANYTHING = st.recursive(
+    st.one_of(
+        st.integers(-(2**63), 2**63 - 1),
+        st.floats(),
+        st.booleans(),
+        st.text(max_size=8),
+        st.sampled_from(["rotor", "sampled", "full", "hold", "sequence", 1, 0.0, 6]),
+        st.dates(),
+    ),
+    lambda inner: (
+        st.lists(inner, max_size=4)
+        | st.dictionaries(st.sampled_from(["type", "mass", "K_V", "1", "x"]), inner, max_size=3)
+    ),
+    max_leaves=4,
+)
+
+
+def places(table, before=()):
+    """The paths of all entries of a table."""
+    for key, value in table.items():
+        yield (*before, key)
+        if isinstance(value, dict):
+            yield from places(value, (*before, key))
+
+
+@st.composite
+def files_with_mistakes(draw):
+    """The data of a file in which entries are replaced, removed, misspelt or new."""
+    right = draw(st.sampled_from([MINE, OPTIONS.replace("nothing = 0", "rF_nom = 3.5")]))
+    data = tomllib.loads(right)
+    for _ in range(draw(st.integers(1, 3))):
+        *outer, key = draw(st.sampled_from(sorted(places(data), key=str)))
+        table = data
+        for name in outer:
+            table = table[name]
+        change = draw(st.sampled_from(["replace", "remove", "misspell", "add"]))
+        if change == "replace":
+            table[key] = draw(ANYTHING)
+        elif change == "add":
+            table[draw(st.text(max_size=6))] = draw(ANYTHING)
+        else:
+            value = table.pop(key)
+            if change == "misspell":
+                table[key[:-1] + draw(st.sampled_from(["", "s", "_x"]))] = value
+    return data
+
+
+@given(data=files_with_mistakes())
+@settings(max_examples=10_000)
+def test_a_file_with_any_mistake_ends_in_a_clear_error_or_is_a_scenario(tmp_path_factory, data):
+    path = tmp_path_factory.getbasetemp() / "any.toml"
+    path.write_text(tomli_w.dumps(data), encoding="utf-8")
+    try:
+        scenario = r3.Scenario.load(path)
+    except ValueError as error:
+        assert str(error).startswith(f"{path}: ")
+        assert "pydantic" not in str(error)
+    else:
+        assert scenario.toml == path.read_text(encoding="utf-8")
+
+
+@given(text=st.text(max_size=80))
+@settings(max_examples=500)
+def test_any_text_ends_in_a_clear_error(tmp_path_factory, text):
+    path = tmp_path_factory.getbasetemp() / "any.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ValueError, match=re.escape(str(path))):
+        r3.Scenario.load(path)
