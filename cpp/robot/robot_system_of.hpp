@@ -281,10 +281,33 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
     signal(Signal::friction_torque) = now.torques.friction;
     signal(joint_torque) = equations_.p * now.torques.gear;
     if (robot_->has_controller()) {
-      signal(Signal::voltage) = Axes::voltage_of(equations_.electrical(x));
+      const double* electrical = equations_.electrical(x);
+      const auto inside = equations_.axes.voltages(electrical, equations_.command(t, x));
+      signal(Signal::command) = inside.command;
+      signal(tachogenerator_voltage) = inside.tachogenerator;
+      signal(rate_error) = inside.rate_error;
+      signal(Signal::voltage) = Axes::voltage_of(electrical);
     } else {
-      signal(Signal::voltage).setConstant(not_available);
+      for (const Signal which :
+           {Signal::command, tachogenerator_voltage, rate_error, Signal::voltage}) {
+        signal(which).setConstant(not_available);
+      }
     }
+  }
+
+  void energies(double t, const double* x, double* values) override {
+    const auto energy = [values](Energy which) { return View<N>(values + which * N); };
+    const auto stored = equations_.stored_energies(x);
+    energy(kinetic_energy) = stored.kinetic;
+    energy(potential_energy) = stored.potential;
+    energy(elastic_energy) = stored.elastic;
+    const auto torques = equations_.mechanics(t, x).torques;
+    const PerAxis<N> rotor_rate = equations_.rotor_rate(x);
+    energy(motor_power) = torques.motor * rotor_rate + 0.0;  // none is 0, not -0
+    energy(gear_power) = torques.gear * rotor_rate + 0.0;
+    energy(joint_power) = equations_.p * torques.gear * equations_.qd(x) + 0.0;
+    energy(friction_loss) = torques.friction * rotor_rate + 0.0;
+    energy(damping_loss) = equations_.damping_loss(x);
   }
 
  private:

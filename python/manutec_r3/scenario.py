@@ -11,9 +11,11 @@ from math import isfinite
 from pathlib import Path
 from typing import Any, NamedTuple, Self, get_args
 
+from . import html
 from .errors import SimulationError
+from .experiment import Method
 from .motion import Hold, Motion, Quintic, Sequence, Spline, Trapezoid
-from .result import Method, Result
+from .result import Result
 from .robot import Load, Robot
 from .simulation import Simulator, simulate
 from .tables import TABLES
@@ -109,7 +111,20 @@ class Scenario:
             Arguments of `simulate` that take the place of the scenario's own, such as ``rtol``,
             or that it does not have, such as ``times``.
         """
-        return simulate(**{"t_end": self.t_end} | self._arguments | overrides)
+        arguments = {"t_end": self.t_end} | self._arguments | overrides
+        return simulate(**arguments, _scenario=self.source)
+
+    def _repr_html_(self) -> str:
+        given = {
+            "end": f"{self.t_end:g} s",
+            "start": self.start,
+            "rtol": self.rtol,
+            "method": self.method,
+            **self.inputs,
+        }
+        about = {"": self.description} | {k: v for k, v in given.items() if v is not None}
+        motion = self.motion._repr_html_() if self.motion else ""
+        return html.facts(self.name, about) + self.robot._repr_html_() + (motion or "")
 
     @property
     def _arguments(self) -> dict[str, Any]:
