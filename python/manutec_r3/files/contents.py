@@ -168,4 +168,6 @@ def result_from(variables: Mapping[str, np.ndarray], attributes: Mapping[str, An
         vars(result)["limits"] = tuple(_rows("excess", variables))
     except KeyError as error:
         raise ValueError(f"expected what Result.save writes, {error} is missing") from None
+    except TypeError as error:
+        raise ValueError(f"expected what Result.save writes: {error}") from error
     return result

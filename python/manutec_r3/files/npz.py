@@ -2,6 +2,7 @@
 
 from pathlib import Path
 from typing import TYPE_CHECKING
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -20,11 +21,11 @@ def write(path: str | Path, result: "Result") -> None:
 
 def read(path: str | Path) -> "Result":
     """Read a result; see `Result.load`."""
-    with np.load(path, allow_pickle=False) as archive:
-        everything = dict(archive)
-    # Texts and numbers have no dimension.
-    attributes = {name: value.item() for name, value in everything.items() if value.ndim == 0}
     try:
+        with open(path, "rb") as file, np.load(file, allow_pickle=False) as archive:
+            everything = dict(archive)
+        # Texts and numbers have no dimension.
+        attributes = {name: value.item() for name, value in everything.items() if value.ndim == 0}
         return contents.result_from(everything, attributes)
-    except ValueError as error:
+    except (BadZipFile, EOFError, ValueError) as error:
         raise ValueError(f"{path}: {error}") from error
