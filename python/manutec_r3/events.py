@@ -102,5 +102,5 @@ class Events:
     def _repr_html_(self) -> str:
         shown = self._rows[:_SHOWN]
         title = f"{len(self)} events" + (f", the first {_SHOWN}" if len(self) > _SHOWN else "")
-        rows = ((f"{e.time:.9g}", *e[1:3], f"{e.before:+d}", f"{e.after:+d}") for e in shown)
+        rows = ((f"{e.time:.9f}", e.axis, e.element.replace("_", " "), *e[3:]) for e in shown)
         return html.table(title, ("time [s]", *Event._fields[1:]), rows)

@@ -395,25 +395,22 @@ class Result(Samples):
             },
         )
         angle = self.joint_angle
-        peaks = [
-            np.abs(values).max(axis=0)
-            for values in (1e3 * self.control_error, self.motor_torque, self.motor_power)
-        ]
-        headings = (
-            "axis",
-            "joint angle [rad]",
-            "control error [mrad], peak",
-            "motor torque [N m], peak",
-            "motor power [W], peak",
-        )
-        rows = [
-            (axis, f"{lowest:.4f} to {highest:.4f}", *(f"{peak:.2f}" for peak in of_axis))
-            for axis, lowest, highest, *of_axis in zip(
-                range(1, self.robot.n_axes + 1),
-                angle.min(axis=0),
-                angle.max(axis=0),
-                *peaks,
-                strict=True,
-            )
-        ]
-        return about + html.table("Each axis", headings, rows)
+        columns = {
+            "axis": range(1, self.robot.n_axes + 1),
+            "joint angle from [rad]": _texts(angle.min(axis=0), 4),
+            "to [rad]": _texts(angle.max(axis=0), 4),
+            "control error [mrad], peak": _peaks(1e3 * self.control_error),
+            "motor torque [N m], peak": _peaks(self.motor_torque),
+            "motor power [W], peak": _peaks(self.motor_power),
+        }
+        return about + html.table("Each axis", [*columns], zip(*columns.values(), strict=True))
+
+
+def _peaks(values: np.ndarray) -> list[str]:
+    """Return the largest magnitude on each axis."""
+    return _texts(np.abs(values).max(axis=0), 2)
+
+
+def _texts(values: np.ndarray, decimals: int) -> list[str]:
+    """Return numbers as texts; what there is not is a dash."""
+    return ["-" if np.isnan(value) else f"{value:.{decimals}f}" for value in values]

@@ -189,7 +189,7 @@ class Robot:
     def _repr_html_(self) -> str:
         load = self.load
         place = ", ".join(f"{x:g}" for x in load.position)
-        options = {name.replace("_", " "): getattr(self, name) for name in _OPTIONS}
+        soft = {"stiffness": f"{self.stiffness:g} N m/rad, N m s/rad"}
         tables = {name: getattr(self, name) for name in TABLES}
         return html.facts(
             f"Manutec r3, model {self.model}",
@@ -198,7 +198,14 @@ class Robot:
                 "states": self.n_states,
                 "indicators": self.n_indicators,
                 "load": f"{load.mass:g} kg at ({place}) m" if load.mass else "none",
-                **options,
+                "controller": self.controller or "none",
+                "rotor coupling": ", ".join(np.atleast_1d(self.rotor_coupling)),
+                "gear damping": self.gear_damping,
+                "stiction": self.stiction,
+                **(soft if self.stiction != "exact" else {}),
+                "arm": self.arm,
+                "creep rate": f"{self.creep_rate:g} rad/s",
+                "voltage limit": f"{self.voltage_limit:g} V" if self.voltage_limit else "none",
                 **{f"own {name.replace('_', ' ')}": rows for name, rows in tables.items() if rows},
             },
         )

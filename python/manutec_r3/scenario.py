@@ -122,9 +122,13 @@ class Scenario:
             "method": self.method,
             **self.inputs,
         }
-        about = {"": self.description} | {k: v for k, v in given.items() if v is not None}
+        about = {name: value for name, value in given.items() if value is not None}
         motion = self.motion._repr_html_() if self.motion else ""
-        return html.facts(self.name, about) + self.robot._repr_html_() + (motion or "")
+        return (
+            html.facts(f"{self.name}: {self.description}", about)
+            + self.robot._repr_html_()
+            + motion
+        )
 
     @property
     def _arguments(self) -> dict[str, Any]:

@@ -7,6 +7,7 @@ their place says so when somebody needs it.
 import json
 from collections.abc import Mapping
 from dataclasses import fields
+from html import escape
 from typing import Any, NoReturn
 
 import numpy as np
@@ -180,5 +181,5 @@ class MotionNotInFile(Motion):
     def __repr__(self) -> str:
         return "<a motion that is not in the file>"
 
-    def _repr_html_(self) -> None:
-        """Say no more than `repr` does."""
+    def _repr_html_(self) -> str:
+        return escape(repr(self))
