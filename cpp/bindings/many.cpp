@@ -102,7 +102,8 @@ class Solutions {
     const Instants instants{trajectory_, times, steps};
     evaluate(system_, inside_, instants, states.data(), branches_.data());
     evaluate_signals(system_, instants, states.data(), signals.data());
-    evaluate_energies(system_, instants, states.data(), &signals[robot::n_signals * n * n_axes]);
+    evaluate_energies(system_, instants, states.data(), signals.data(),
+                      &signals[robot::n_signals * n * n_axes]);
   }
 
   // The largest magnitude of each signal (n_rows, n_axes) at many instants.
@@ -114,11 +115,16 @@ class Solutions {
       const std::size_t n = std::min(block, instants.time.size() - first);
       evaluate_at(std::span(instants.time).subspan(first, n),
                   std::span(instants.step).subspan(first, n));
-      for (std::size_t entry = 0; entry < signals.size(); ++entry) {
-        double& peak = peaks[entry / (n * n_axes) * n_axes + entry % n_axes];
-        const double magnitude = std::abs(signals[entry]);
-        // A signal that the robot does not have is not a number.
-        if (magnitude > peak || std::isnan(magnitude)) peak = magnitude;
+      for (std::size_t row = 0; row < n_rows; ++row) {
+        const double* now = &signals[row * n * n_axes];
+        for (std::size_t k = 0; k < n; ++k) {
+          for (std::size_t i = 0; i < n_axes; ++i, ++now) {
+            double& peak = peaks[row * n_axes + i];
+            const double magnitude = std::abs(*now);
+            // A signal that the robot does not have is not a number.
+            if (magnitude > peak || std::isnan(magnitude)) peak = magnitude;
+          }
+        }
       }
     }
     return peaks;

@@ -91,7 +91,7 @@ class Simulator {
   // (n_energies, n_axes).
   Array energies() {
     Array values({py::ssize_t{robot::n_energies}, py::ssize_t{system_->n_axes()}});
-    system_->energies(time(), simulation_.state().data(), values.mutable_data());
+    system_->energies(simulation_.state().data(), signals().data(), values.mutable_data());
     return values;
   }
 

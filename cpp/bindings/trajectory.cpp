@@ -110,19 +110,30 @@ py::tuple solution_at(std::shared_ptr<const robot::Robot> robot, const robot::In
   return py::make_tuple(states, branches);
 }
 
-// What follows from states (n, n_states) there: (n_rows, n, n_axes).
-template <auto evaluate_rows, int n_rows>
-Array from_states(std::shared_ptr<const robot::Robot> robot, const robot::Inputs& inputs,
-                  const Trajectory& trajectory, const Array& t, const Indices& step,
-                  const Array& states) {
+// What follows from the states (n, n_states) there: signals (n_signals, n, n_axes).
+Array signals_at(std::shared_ptr<const robot::Robot> robot, const robot::Inputs& inputs,
+                 const Trajectory& trajectory, const Array& t, const Indices& step,
+                 const Array& states) {
   const auto system = robot::make_system(std::move(robot), inputs);
-  Array rows({py::ssize_t{n_rows}, t.size(), py::ssize_t{system->n_axes()}});
-  double* to_rows = rows.mutable_data();
-  const double* of_states = states.data();
+  Array signals({py::ssize_t{robot::n_signals}, t.size(), py::ssize_t{system->n_axes()}});
+  double* to_signals = signals.mutable_data();
   const Instants instants = as_instants(trajectory, t, step);
   const py::gil_scoped_release release;
-  evaluate_rows(*system, instants, of_states, to_rows);
-  return rows;
+  evaluate_signals(*system, instants, states.data(), to_signals);
+  return signals;
+}
+
+// And what follows from these: energies (n_energies, n, n_axes).
+Array energies_at(std::shared_ptr<const robot::Robot> robot, const robot::Inputs& inputs,
+                  const Trajectory& trajectory, const Array& t, const Indices& step,
+                  const Array& states, const Array& signals) {
+  const auto system = robot::make_system(std::move(robot), inputs);
+  Array energies({py::ssize_t{robot::n_energies}, t.size(), py::ssize_t{system->n_axes()}});
+  double* to_energies = energies.mutable_data();
+  const Instants instants = as_instants(trajectory, t, step);
+  const py::gil_scoped_release release;
+  evaluate_energies(*system, instants, states.data(), signals.data(), to_energies);
+  return energies;
 }
 
 // Instants to record (n,), and the step (n,) that each belongs to.
@@ -150,22 +161,9 @@ void at_each(robot::RobotSystem& system, const Instants& instants, const Changed
   }
 }
 
-// Rows (n_rows, n, n_axes) of what `evaluate_one` tells of one instant (n_rows, n_axes).
-void evaluate_rows(void (robot::RobotSystem::*evaluate_one)(double, const double*, double*),
-                   std::size_t n_rows, robot::RobotSystem& system, const Instants& instants,
-                   const double* states, double* rows) {
-  const std::size_t n = instants.times.size();
-  const std::size_t n_axes = system.n_axes();
-  std::vector<double> at_instant(n_rows * n_axes);
-  at_each(
-      system, instants, [] {},
-      [&](std::size_t k) {
-        (system.*evaluate_one)(instants.times[k], states + k * system.n_states(),
-                               at_instant.data());
-        for (std::size_t row = 0; row < n_rows; ++row) {
-          std::copy_n(&at_instant[row * n_axes], n_axes, rows + (row * n + k) * n_axes);
-        }
-      });
+// Where row `row` of instant k begins among the rows (n_rows, n, n_axes) of all instants.
+std::size_t place(std::size_t row, std::size_t k, const Instants& instants, std::size_t n_axes) {
+  return (row * instants.times.size() + k) * n_axes;
 }
 
 }  // namespace
@@ -190,13 +188,34 @@ void evaluate(robot::RobotSystem& system, hybrid::DenseOutput& inside, const Ins
 
 void evaluate_signals(robot::RobotSystem& system, const Instants& instants, const double* states,
                       double* signals) {
-  evaluate_rows(&robot::RobotSystem::signals, robot::n_signals, system, instants, states, signals);
+  const std::size_t n_axes = system.n_axes();
+  std::vector<double> now(robot::n_signals * n_axes);
+  at_each(
+      system, instants, [] {},
+      [&](std::size_t k) {
+        system.signals(instants.times[k], states + k * system.n_states(), now.data());
+        for (std::size_t row = 0; row < robot::n_signals; ++row) {
+          std::copy_n(&now[row * n_axes], n_axes, signals + place(row, k, instants, n_axes));
+        }
+      });
 }
 
 void evaluate_energies(robot::RobotSystem& system, const Instants& instants, const double* states,
-                       double* energies) {
-  evaluate_rows(&robot::RobotSystem::energies, robot::n_energies, system, instants, states,
-                energies);
+                       const double* signals, double* energies) {
+  const std::size_t n_axes = system.n_axes();
+  std::vector<double> signals_now(robot::n_signals * n_axes), now(robot::n_energies * n_axes);
+  at_each(
+      system, instants, [] {},
+      [&](std::size_t k) {
+        for (std::size_t row = 0; row < robot::n_signals; ++row) {
+          std::copy_n(signals + place(row, k, instants, n_axes), n_axes,
+                      &signals_now[row * n_axes]);
+        }
+        system.energies(states + k * system.n_states(), signals_now.data(), now.data());
+        for (std::size_t row = 0; row < robot::n_energies; ++row) {
+          std::copy_n(&now[row * n_axes], n_axes, energies + place(row, k, instants, n_axes));
+        }
+      });
 }
 
 void register_trajectory(py::module_& module) {
@@ -218,8 +237,8 @@ void register_trajectory(py::module_& module) {
         return py::make_tuple(py::type::of(self), self.attr("parts"));
       });
   module.def("evaluate", &solution_at);
-  module.def("evaluate_signals", &from_states<&evaluate_signals, robot::n_signals>);
-  module.def("evaluate_energies", &from_states<&evaluate_energies, robot::n_energies>);
+  module.def("evaluate_signals", &signals_at);
+  module.def("evaluate_energies", &energies_at);
 }
 
 }  // namespace manutec_r3::bindings

@@ -27,8 +27,8 @@ void evaluate(robot::RobotSystem& system, hybrid::DenseOutput& inside, const Ins
 // From the states: signals (n_signals, n, n_axes).
 void evaluate_signals(robot::RobotSystem& system, const Instants& instants, const double* states,
                       double* signals);
-// Energies (n_energies, n, n_axes).
+// From states and signals: energies (n_energies, n, n_axes).
 void evaluate_energies(robot::RobotSystem& system, const Instants& instants, const double* states,
-                       double* energies);
+                       const double* signals, double* energies);
 
 }  // namespace manutec_r3::bindings

@@ -35,8 +35,8 @@ class RobotSystem : public hybrid::System {
   // All signals, n_axes values each, in the order of Signal. What does not exist is NaN:
   // reference and control error without a motion, voltages without a controller.
   virtual void signals(double t, const double* x, double* values) = 0;
-  // The same of Energy: never missing.
-  virtual void energies(double t, const double* x, double* values) = 0;
+  // The same of Energy, from the signals in the same state; never missing.
+  virtual void energies(const double* x, const double* signals, double* values) = 0;
 
   // The branch of an element on an axis (0-based), 0 if the axis has no such element.
   virtual int branch(ElementKind kind, int axis) const = 0;

@@ -295,18 +295,18 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
     }
   }
 
-  void energies(double t, const double* x, double* values) override {
+  void energies(const double* x, const double* signals, double* values) override {
+    const auto signal = [signals](Signal which) { return ConstView<N>(signals + which * N); };
     const auto energy = [values](Energy which) { return View<N>(values + which * N); };
     const auto stored = equations_.stored_energies(x);
     energy(kinetic_energy) = stored.kinetic;
     energy(potential_energy) = stored.potential;
     energy(elastic_energy) = stored.elastic;
-    const auto torques = equations_.mechanics(t, x).torques;
-    const PerAxis<N> rotor_rate = equations_.rotor_rate(x);
-    energy(motor_power) = torques.motor * rotor_rate + 0.0;  // none is 0, not -0
-    energy(gear_power) = torques.gear * rotor_rate + 0.0;
-    energy(joint_power) = equations_.p * torques.gear * equations_.qd(x) + 0.0;
-    energy(friction_loss) = torques.friction * rotor_rate + 0.0;
+    // No power is 0, not -0.
+    energy(motor_power) = signal(motor_torque) * signal(rotor_rate) + 0.0;
+    energy(gear_power) = signal(gear_torque) * signal(rotor_rate) + 0.0;
+    energy(joint_power) = signal(joint_torque) * signal(joint_rate) + 0.0;
+    energy(friction_loss) = signal(Signal::friction_torque) * signal(rotor_rate) + 0.0;
     energy(damping_loss) = equations_.damping_loss(x);
   }
 

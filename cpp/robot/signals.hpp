@@ -30,8 +30,8 @@ enum Signal {
   tachogenerator_voltage,
   rate_error,
   voltage,
-  n_signals
 };
+inline constexpr int n_signals = voltage + 1;
 inline constexpr std::array<SignalDescription, n_signals> signal_descriptions = {{
     {joint_angle, "joint_angle", "rad", "Joint angles `aq`"},
     {joint_rate, "joint_rate", "rad/s", "Joint rates `aq'`"},
@@ -58,7 +58,8 @@ inline constexpr std::array<SignalDescription, n_signals> signal_descriptions = 
      "Output of the rate controllers `U`; in the Modelica variant the capacitor's `v`"},
 }};
 
-// Energies, powers and losses. They take the kinematics of all arms, and are evaluated apart.
+// Energies, powers and losses. They take the kinematics of all arms, and are evaluated apart, from
+// the signals above.
 //
 //   d/dt (kinetic + potential + elastic) = motor_power - friction_loss - damping_loss
 //
@@ -72,8 +73,8 @@ enum Energy {
   joint_power,
   friction_loss,
   damping_loss,
-  n_energies
 };
+inline constexpr int n_energies = damping_loss + 1;
 inline constexpr std::array<SignalDescription, n_energies> energy_descriptions = {{
     {kinetic_energy, "kinetic_energy", "J",
      "Kinetic energies of each arm, the last one with the load, and of the spin of the rotor that "

@@ -274,8 +274,9 @@ def evaluate_energies(
     t: _Floats,
     step: NDArray[intp],
     states: _Floats,
+    signals: _Floats,
 ) -> _Floats:
-    """Energies (n_energies, n, N) in given states (n, n_states)."""
+    """Energies (n_energies, n, N) in given states (n, n_states) with signals (n_signals, n, N)."""
 
 # Many runs.
 

@@ -1,6 +1,6 @@
 """What came out of a run."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -135,22 +135,18 @@ class Samples(Signals):
 
     @cached_property
     def _signals(self) -> np.ndarray:
-        return self._from_states(_core.evaluate_signals)
+        return _core.evaluate_signals(*self._of_run, self.state)
 
     @cached_property
     def _energies(self) -> np.ndarray:
-        return self._from_states(_core.evaluate_energies)
+        return _core.evaluate_energies(*self._of_run, self.state, self._signals)
 
-    def _from_states(self, evaluate: Callable[..., np.ndarray]) -> np.ndarray:
+    @property
+    def _of_run(self) -> tuple[Any, ...]:
+        """What was simulated, and where in its run these instants are."""
         run = self._run
-        return evaluate(
-            run.inputs.robot._compiled,
-            run.inputs._compiled,
-            run.trajectory,
-            self.time,
-            self._step,
-            self.state,
-        )
+        compiled = run.inputs.robot._compiled, run.inputs._compiled
+        return *compiled, run.trajectory, self.time, self._step
 
     @property
     def state(self) -> np.ndarray:
