@@ -395,9 +395,9 @@ class Result(Samples):
             "axis": range(1, self.robot.n_axes + 1),
             "joint angle from [rad]": _texts(angle.min(axis=0), 4),
             "to [rad]": _texts(angle.max(axis=0), 4),
-            "control error [mrad], peak": _peaks(1e3 * self.control_error),
-            "motor torque [N m], peak": _peaks(self.motor_torque),
-            "motor power [W], peak": _peaks(self.motor_power),
+            "peak control error [mrad]": _peaks(1e3 * self.control_error),
+            "peak motor torque [N m]": _peaks(self.motor_torque),
+            "peak motor power [W]": _peaks(self.motor_power),
         }
         return about + html.table("Each axis", [*columns], zip(*columns.values(), strict=True))
 
