@@ -1044,7 +1044,6 @@ BAD = [
         lambda: set_input(robot, "tip_force", [1, 2, 3], tip_force=lambda t: [0.0] * 3),
         r"tip_force: it is a function of time and cannot be set",
     ),
-    (lambda: simulator().command, r"command: expected .*'external' or 'sampled', .*'continuous'"),
     # states and the arm alone
     (lambda: robot.state_from([0] * 3), r"joint_angle: expected 6 values \[rad\].*, got .*3"),
     (

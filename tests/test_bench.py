@@ -13,8 +13,8 @@ from manutec_r3 import _core, bench, command_line
 from manutec_r3.accuracy import sequence
 from manutec_r3.bench import Row, Table, arm, for_markdown, peers, precision, runs
 from manutec_r3.bench.timing import Timing, each_of_many, many, side_by_side
+from manutec_r3.experiment import Method
 from manutec_r3.inputs import gather
-from manutec_r3.result import Method
 
 SHORT = r3.Scenario(
     "short", r3.Robot(model=4), r3.Quintic([0, 0, 0], [0.2, 0.15, -0.1], 0.3), t_end=0.3

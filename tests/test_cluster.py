@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import manutec_r3 as r3
-from manutec_r3 import parquet
+from manutec_r3.files import parquet
 
 distributed = pytest.importorskip("distributed", reason="needs the extra dask")
 pq = pytest.importorskip("pyarrow.parquet", reason="needs the extra dask")

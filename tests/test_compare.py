@@ -54,11 +54,14 @@ def test_a_result_agrees_with_itself(result):
 
 def test_every_curve_has_a_unit(result):
     units = {c.signal: c.unit for c in r3.compare(result, result).curves}
+    energies = {s: "J" for s in units if s.endswith("energy")}
+    powers = {s: "W" for s in units if s.endswith(("power", "loss"))}
+    voltages = {s: "V" for s in ("command", "tachogenerator_voltage", "rate_error", "voltage")}
     angles = {s: "rad" for s in units if s.endswith("angle") or s == "control_error"}
     rates = {s: "rad/s" for s in units if s.endswith("rate")}
     torques = {s: "N m" for s in units if s.endswith("torque")}
-    others = {"joint_acceleration": "rad/s^2", "voltage": "V"}
-    assert units == angles | rates | torques | others
+    others = {"joint_acceleration": "rad/s^2"}
+    assert units == angles | rates | torques | voltages | energies | powers | others
 
 
 def test_jumps_that_tolerances_displace_are_no_deviations(result):
@@ -455,7 +458,7 @@ def test_events_that_are_listed_on_request_are_not_compared(result):
 
 
 def test_a_comparison_says_in_words_what_it_found(result):
-    assert str(r3.compare(result, result)).startswith("agrees from 0 to 0.6 s\ncurves: 39 of 39 ")
+    assert str(r3.compare(result, result)).startswith("agrees from 0 to 0.6 s\ncurves: 72 of 72 ")
     other = run(end=(0.3, -0.2, 0.45))
     compared = r3.compare(other, result)
     said = str(compared)

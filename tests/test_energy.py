@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from independent import IndependentRobot
 from oracle_runs import ECCENTRIC, RUNS
 
@@ -153,3 +155,123 @@ def test_without_motors_energy_is_what_friction_and_dampers_leave(model):
     assert dissipated > 50.0 if model in (3, 4) else dissipated == 0.0
     # Hundreds of joules go back and forth meanwhile; 1e-12 J is the gap measured.
     assert books.gap <= 1e-9
+
+
+# --- energies, powers and losses as signals -----------------------------------------------------
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_signals_of_energy_are_those_of_the_independent_model(name):
+    run = RUNS[name]
+    robot, e = run.independent_robot, run.independent_robot.n_elastic
+    now = run.simulate().at(run.times)
+    q, qd, rq, rqd = now.joint_angle, now.joint_rate, now.rotor_angle[:, :e], now.rotor_rate[:, :e]
+    expected = {
+        "kinetic_energy": [robot.kinetic_energy(*k) for k in zip(q, qd, rqd, strict=True)],
+        "potential_energy": [robot.potential_energy(angle) for angle in q],
+        "elastic_energy": robot.elastic_energy(q, rq),
+        "damping_loss": robot.damping_power(q, qd, rq, rqd),
+    }
+    # Parts of the largest; measured are 6e-16, 5e-16, 1.6e-13 and 7e-15: deflections are small
+    # differences of angles.
+    allowed = {"kinetic_energy": 1e-14, "potential_energy": 1e-14}
+    allowed |= {"elastic_energy": 2e-12, "damping_loss": 1e-13}
+    for signal, values in expected.items():
+        values = np.array(values)
+        atol = allowed[signal] * np.abs(values).max()
+        found = getattr(now, signal).sum(axis=1)
+        np.testing.assert_allclose(found, values, 0, atol, err_msg=signal)
+
+
+@pytest.mark.parametrize("name", [*MOVING, "full-robot", "one-axis"])
+def test_powers_are_torques_times_rates(name):
+    run = RUNS[name].simulate() if name in RUNS else r3.Scenario.load(name).run()
+    products = {
+        "motor_power": run.motor_torque * run.rotor_rate,
+        "gear_power": run.gear_torque * run.rotor_rate,
+        "joint_power": run.joint_torque * run.joint_rate,
+        "friction_loss": run.friction_torque * run.rotor_rate,
+    }
+    for signal, product in products.items():
+        np.testing.assert_array_equal(getattr(run, signal), product, err_msg=signal)
+    # Rest is exactly rest, and neither friction nor dampers ever give anything: what is measured,
+    # 1.6e-13 W, is roundoff of a rate that comes to zero.
+    if run.robot.has_real_gears:
+        sticks = run.branches["friction"] == 0
+        assert not run.friction_loss[sticks].any()
+    assert run.friction_loss.min() >= -2e-12
+    assert run.damping_loss.min() >= 0.0
+
+
+@pytest.mark.parametrize("name", ["full-robot", "one-axis", "section-10"])
+def test_signals_of_energy_are_in_balance_part_by_part(name):
+    """Each gear gives on what it takes but for its damper and its spring; so does each rotor."""
+    scenario = RUNS[name].simulate if name in RUNS else r3.Scenario.load(name).run
+    run = scenario(rtol=1e-10)
+    robot = run.robot
+    steps = np.unique(run.time)
+    e = min(robot.n_axes, 3)
+    inertia = np.array(robot.parameters["table_3"]["rJ"])[:e]
+
+    def powers(now):
+        return {
+            "all": now.motor_power - now.friction_loss - now.damping_loss,
+            **{
+                f"gear {i}": (now.gear_power - now.joint_power - now.damping_loss)[:, [i]]
+                for i in range(e)
+            },
+            **{
+                f"rotor {i}": (now.motor_power - now.friction_loss - now.gear_power)[:, [i]]
+                for i in range(e)
+            },
+            "turned over": np.abs(now.motor_power),
+        }
+
+    works, now = work_until(run, steps, powers), run.at(steps)
+    stored = {"all": (now.kinetic_energy + now.potential_energy + now.elastic_energy).sum(axis=1)}
+    for i in range(e):
+        stored[f"gear {i}"] = now.elastic_energy[:, i]
+        stored[f"rotor {i}"] = inertia[i] * now.rotor_rate[:, i] ** 2 / 2.0
+    turned_over = works.pop("turned over")[-1]
+    for part, work in works.items():
+        gap = np.abs(work - (stored[part] - stored[part][0])).max()
+        # Measured is 1.5e-12 at this tolerance.
+        assert gap <= 2e-11 * turned_over, part
+
+
+angles_and_rates = st.lists(st.floats(-3.0, 3.0), min_size=12, max_size=12)
+
+
+@settings(max_examples=50, deadline=None)
+@given(state=angles_and_rates, coupling=st.sampled_from(["full", "simplified"]))
+def test_kinetic_energy_is_the_form_of_the_mass_matrix(state, coupling):
+    robot = r3.Robot(1, r3.Load(9.0, ECCENTRIC), controller=None, rotor_coupling=coupling)
+    q, qd = np.split(np.array(state), 2)
+    energy = r3.Simulator(robot, start=state).kinetic_energy.sum()
+    # Terms of hundreds of joules are added in another order.
+    assert energy == pytest.approx(qd @ robot.mass_matrix(q) @ qd / 2.0, rel=1e-13, abs=1e-13)
+
+
+@settings(max_examples=50, deadline=None)
+@given(state=angles_and_rates, axis=st.integers(1, 6))
+def test_what_an_axis_does_not_carry_does_not_feel_it(state, axis):
+    """Energies of the arms before joint `axis` do not depend on its angle and its rate."""
+    robot = r3.Robot(1, r3.Load(9.0, ECCENTRIC), controller=None)
+    other = list(state)
+    other[axis - 1] += 0.5
+    other[6 + axis - 1] += 0.5
+    before, after = (r3.Simulator(robot, start=x) for x in (state, other))
+    for signal in ("kinetic_energy", "potential_energy"):
+        one, two = (getattr(simulator, signal)[: axis - 1] for simulator in (before, after))
+        np.testing.assert_array_equal(one, two)
+
+
+def test_the_load_is_part_of_the_last_arm():
+    q = [0.2, 0.7, -0.4, 0.9, 1.0, -0.3]
+    empty, loaded = (
+        r3.Simulator(r3.Robot(1, r3.Load(mass), controller=None), start=[*q, *[0.0] * 6])
+        for mass in (0.0, 10.0)
+    )
+    weight = 10.0 * 9.81 * loaded.robot.load_position(q)[2]
+    difference = loaded.potential_energy - empty.potential_energy
+    np.testing.assert_allclose(difference, [0.0] * 5 + [weight], rtol=1e-13)

@@ -47,6 +47,9 @@ struct Run {
   std::vector<bool> brakes;
 };
 
+// Signals, and after them energies.
+constexpr py::ssize_t n_rows = robot::n_signals + robot::n_energies;
+
 // What is kept of a run. Trajectories take megabytes.
 enum class Record { all, events, final, peaks };
 
@@ -61,7 +64,7 @@ struct Outcome {
   double seconds = 0.0;  // wall-clock
   std::shared_ptr<hybrid::Trajectory> trajectory;
   std::vector<double> final_state;  // the dense output at the end: the last row of a result
-  std::vector<double> signals;      // (n_signals, n_axes)
+  std::vector<double> signals;      // (n_rows, n_axes)
   std::exception_ptr failure;       // if it could not begin, or not go on
 };
 
@@ -89,31 +92,39 @@ class Solutions {
             const hybrid::Trajectory& trajectory)
       : system_(system), inside_(inside), trajectory_(trajectory) {}
 
-  // At n instants inside steps: keeps `states` (n, n_states) and `signals` (n_signals, n, n_axes).
+  // At n instants inside steps: keeps `states` (n, n_states) and `signals` (n_rows, n, n_axes).
   void evaluate_at(std::span<const double> times, std::span<const std::ptrdiff_t> steps) {
     const std::size_t n = times.size();
     const std::size_t n_axes = system_.n_axes();
     states.resize(n * system_.n_states());
-    signals.resize(robot::signal_names.size() * n * n_axes);
+    signals.resize(n_rows * n * n_axes);
     branches_.resize(robot::n_axis_elements * n * n_axes);
-    evaluate(system_, inside_, trajectory_, times, steps,
-             {states.data(), signals.data(), branches_.data()});
+    const Instants instants{trajectory_, times, steps};
+    evaluate(system_, inside_, instants, states.data(), branches_.data());
+    evaluate_signals(system_, instants, states.data(), signals.data());
+    evaluate_energies(system_, instants, states.data(), signals.data(),
+                      &signals[robot::n_signals * n * n_axes]);
   }
 
-  // The largest magnitude of each signal (n_signals, n_axes) at many instants.
+  // The largest magnitude of each signal (n_rows, n_axes) at many instants.
   std::vector<double> peaks(const hybrid::Trajectory::Instants& instants) {
     constexpr std::size_t block = 32;  // instants at a time: as many as stay in the cache
     const std::size_t n_axes = system_.n_axes();
-    std::vector<double> peaks(robot::signal_names.size() * n_axes, 0.0);
+    std::vector<double> peaks(n_rows * n_axes, 0.0);
     for (std::size_t first = 0; first < instants.time.size(); first += block) {
       const std::size_t n = std::min(block, instants.time.size() - first);
       evaluate_at(std::span(instants.time).subspan(first, n),
                   std::span(instants.step).subspan(first, n));
-      for (std::size_t entry = 0; entry < signals.size(); ++entry) {
-        double& peak = peaks[entry / (n * n_axes) * n_axes + entry % n_axes];
-        const double magnitude = std::abs(signals[entry]);
-        // A signal that the robot does not have is not a number.
-        if (magnitude > peak || std::isnan(magnitude)) peak = magnitude;
+      for (std::size_t row = 0; row < n_rows; ++row) {
+        const double* now = &signals[row * n * n_axes];
+        for (std::size_t k = 0; k < n; ++k) {
+          for (std::size_t i = 0; i < n_axes; ++i, ++now) {
+            double& peak = peaks[row * n_axes + i];
+            const double magnitude = std::abs(*now);
+            // A signal that the robot does not have is not a number.
+            if (magnitude > peak || std::isnan(magnitude)) peak = magnitude;
+          }
+        }
       }
     }
     return peaks;
@@ -270,9 +281,8 @@ void register_many(py::module_& module) {
                              [](const Outcome& o) { return as_array(o.final_state); })
       .def_property_readonly("signals",
                              [](const Outcome& o) {
-                               constexpr py::ssize_t n = robot::signal_names.size();
                                const auto size = static_cast<py::ssize_t>(o.signals.size());
-                               return Array({n, size / n}, o.signals.data());
+                               return Array({n_rows, size / n_rows}, o.signals.data());
                              })
       // Raises what ended the run, if something did.
       .def("raise_failure", [](const Outcome& o) {

@@ -26,6 +26,15 @@ using robot::Robot;
 // Between two looks at signals and progress: often enough for a person, too seldom to be noticed.
 constexpr std::chrono::milliseconds look_up_interval(50);
 
+// As tuples (name, unit, description).
+py::tuple as_tuple(std::span<const robot::SignalDescription> descriptions) {
+  py::list list;
+  for (const auto& [_, name, unit, text] : descriptions) {
+    list.append(py::make_tuple(name, unit, text));
+  }
+  return list;
+}
+
 class Simulator {
  public:
   Simulator(std::shared_ptr<const Robot> robot, const robot::Inputs& inputs, const Array& start,
@@ -73,11 +82,16 @@ class Simulator {
   double time() const { return simulation_.time(); }
   Array state() { return as_array(simulation_.state()); }
 
-  // (n_signals, n_axes), in the order of signal_names.
+  // (n_signals, n_axes).
   Array signals() {
-    Array values({static_cast<py::ssize_t>(robot::signal_names.size()),
-                  static_cast<py::ssize_t>(system_->n_axes())});
+    Array values({py::ssize_t{robot::n_signals}, py::ssize_t{system_->n_axes()}});
     system_->signals(time(), simulation_.state().data(), values.mutable_data());
+    return values;
+  }
+  // (n_energies, n_axes).
+  Array energies() {
+    Array values({py::ssize_t{robot::n_energies}, py::ssize_t{system_->n_axes()}});
+    system_->energies(simulation_.state().data(), signals().data(), values.mutable_data());
     return values;
   }
 
@@ -163,9 +177,8 @@ void register_simulator(py::module_& module) {
       .value("exponential", solver::Method::exponential)
       .finalize();
   module.def("default_tolerance", &solver::default_tolerance);
-  py::list names;
-  for (const std::string_view name : robot::signal_names) names.append(std::string(name));
-  module.attr("signal_names") = py::tuple(names);
+  module.attr("signals") = as_tuple(robot::signal_descriptions);
+  module.attr("energies") = as_tuple(robot::energy_descriptions);
 
   py::class_<hybrid::Simulation::Snapshot>(module, "Snapshot");
 
@@ -182,6 +195,7 @@ void register_simulator(py::module_& module) {
       .def_property_readonly("time", &Simulator::time)
       .def_property_readonly("state", &Simulator::state)
       .def_property_readonly("signals", &Simulator::signals)
+      .def_property_readonly("energies", &Simulator::energies)
       .def_property_readonly("branches", &Simulator::branches)
       .def_property_readonly("n_events", &Simulator::n_events)
       .def("events", &Simulator::events)

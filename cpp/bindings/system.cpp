@@ -39,11 +39,10 @@ class System {
         t, x, system_->n_indicators(),
         [this](double t_k, const double* x_k, double* to) { system_->indicators(t_k, x_k, to); });
   }
-  // Each of them in the order of signal_names, n_axes values of each.
+  // Each of them in the order of `signals`, n_axes values of each.
   Array signals(const Array& t, const Array& x) {
-    const auto n_signals = static_cast<int>(robot::signal_names.size());
     return at_instants(
-        t, x, n_signals * system_->n_axes(),
+        t, x, robot::n_signals * system_->n_axes(),
         [this](double t_k, const double* x_k, double* to) { system_->signals(t_k, x_k, to); });
   }
 

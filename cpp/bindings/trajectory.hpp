@@ -11,17 +11,24 @@
 
 namespace manutec_r3::bindings {
 
-// Where to write it for n instants.
-struct Solution {
-  double* states;         // (n, n_states)
-  double* signals;        // (n_signals, n, n_axes)
-  std::int8_t* branches;  // (n_elements, n, n_axes)
+// At instants times[k] (n,) inside the steps steps[k] of a recorded run.
+struct Instants {
+  const hybrid::Trajectory& trajectory;
+  std::span<const double> times;
+  std::span<const std::ptrdiff_t> steps;
 };
 
-// At times[k] inside the step steps[k] of a recorded run. The system is left in the mode of the
-// last.
-void evaluate(robot::RobotSystem& system, hybrid::DenseOutput& inside,
-              const hybrid::Trajectory& trajectory, std::span<const double> times,
-              std::span<const std::ptrdiff_t> steps, const Solution& solution);
+// The functions below leave the system in the mode of the last instant.
+
+// States (n, n_states), branches (n_elements, n, n_axes).
+void evaluate(robot::RobotSystem& system, hybrid::DenseOutput& inside, const Instants& instants,
+              double* states, std::int8_t* branches);
+
+// From the states: signals (n_signals, n, n_axes).
+void evaluate_signals(robot::RobotSystem& system, const Instants& instants, const double* states,
+                      double* signals);
+// From states and signals: energies (n_energies, n, n_axes).
+void evaluate_energies(robot::RobotSystem& system, const Instants& instants, const double* states,
+                       const double* signals, double* energies);
 
 }  // namespace manutec_r3::bindings

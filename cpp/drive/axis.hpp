@@ -66,6 +66,15 @@ struct Axes {
     return rate_controller.drive(e, of(x, controller), of(x, voltage));
   }
 
+  // What leaves the position controllers, the tachogenerators and the comparison of both [V].
+  struct Voltages {
+    PerAxis<N> command, tachogenerator, rate_error;  // u_c, u_t, e
+  };
+  Voltages voltages(const double* x, const PerAxis<N>& command) const {
+    const ConstView<N> u_t = of(x, tachogenerator_2);
+    return {command, u_t, rate_controller.rate_error(command, u_t, of(x, filter))};
+  }
+
   // U [V].
   static ConstView<N> voltage_of(const double* x) { return of(x, voltage); }
 

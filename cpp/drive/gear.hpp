@@ -48,6 +48,9 @@ struct ElasticGear {
     return c * NL4(delta) + acting_d * delta_rate;
   }
 
+  // c s^2 / 2 [J].
+  PerAxis<E> energy(const PerAxis<E>& delta) const { return c * NL4(delta).square() / 2.0; }
+
   // The deflection at which the gear at rest transmits this torque [N m].
   double deflection_under(int axis, double tau) const {
     return tau == 0.0 ? 0.0 : tau / c[axis] + (tau > 0.0 ? b[axis] : -b[axis]);

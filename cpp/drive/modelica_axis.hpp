@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 
 #include "drive/modelica_parameters.hpp"
 #include "drive/per_axis.hpp"
@@ -73,6 +74,15 @@ struct ModelicaAxes {
     of(dx, modelica_voltage) = (i - i_ref) * w_by_D / 0.04;
     of(dx, modelica_current) = -(two_D_w / modelica_resistance) *
                                (modelica_amplification * v + modelica_resistance * i + k * w_m);
+  }
+
+  // What is commanded and compared are rates, and there is no tachogenerator: not a number.
+  struct Voltages {
+    PerAxis<N> command, tachogenerator, rate_error;
+  };
+  Voltages voltages(const double*, const PerAxis<N>&) const {
+    const PerAxis<N> none = PerAxis<N>::Constant(std::numeric_limits<double>::quiet_NaN());
+    return {none, none, none};
   }
 
   // v [V].

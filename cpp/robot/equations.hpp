@@ -11,6 +11,7 @@
 
 #include "arm/carried_rotors.hpp"
 #include "arm/composite.hpp"
+#include "arm/energy.hpp"
 #include "arm/kinematics.hpp"
 #include "arm/solve.hpp"
 #include "drive/friction.hpp"
@@ -255,6 +256,35 @@ class Equations {
       if (!is_elastic(i)) torques.gear[i] = torques.motor[i] - torques.friction[i];
     }
     return result;
+  }
+
+  // --- energy -----------------------------------------------------------------------------------
+
+  struct StoredEnergies {
+    PerAxis<N> kinetic, potential, elastic;  // [J]
+  };
+
+  // Arms contain rotors frozen. What the spin of one adds is rJ rq'^2 / 2, and if the preceding arm
+  // carries it (coupling "full") rJ rq' <rn, w>.
+  StoredEnergies stored_energies(const double* x) const {
+    const Eigen::Map<const arm::Vector<N>> angle(x), rate(x + N);
+    const arm::ArmEnergies<N> arms = arm::energies<N>(mechanism_, angle, rate);
+    const PerAxis<N> spin = rotor_rate(x);
+    StoredEnergies stored = {arms.kinetic.array() + rJ * spin.square() / 2.0,
+                             arms.potential.array(), PerAxis<N>::Zero()};
+    for (int j = 0; j < N; ++j) {
+      if (robot_.options().coupling[j] != Coupling::full) continue;
+      stored.kinetic[j] += rJ[j] * spin[j] * arms.carrier_rate[j];
+    }
+    if (elastic_) stored.elastic.template head<E>() = gear.energy(deflection(x));
+    return stored;
+  }
+
+  // d delta'^2 [W].
+  PerAxis<N> damping_loss(const double* x) const {
+    PerAxis<N> loss = PerAxis<N>::Zero();
+    if (elastic_) loss.template head<E>() = gear.acting_d * deflection_rate(x).square();
+    return loss;
   }
 
   // --- the right-hand side ----------------------------------------------------------------------

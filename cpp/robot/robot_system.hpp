@@ -32,9 +32,11 @@ class RobotSystem : public hybrid::System {
   virtual void check_brakes(const std::vector<bool>& on, const double* x) const = 0;
   virtual std::vector<bool> brakes() const = 0;
 
-  // All signals, n_axes values each, in the order of signal_names. What does not exist is NaN:
-  // reference and control error without a motion, the voltage without a controller.
+  // All signals, n_axes values each, in the order of Signal. What does not exist is NaN:
+  // reference and control error without a motion, voltages without a controller.
   virtual void signals(double t, const double* x, double* values) = 0;
+  // The same of Energy, from the signals in the same state; never missing.
+  virtual void energies(const double* x, const double* signals, double* values) = 0;
 
   // The branch of an element on an axis (0-based), 0 if the axis has no such element.
   virtual int branch(ElementKind kind, int axis) const = 0;

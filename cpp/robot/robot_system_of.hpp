@@ -283,10 +283,33 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
     signal(Signal::friction_torque) = now.torques.friction;
     signal(joint_torque) = equations_.p * now.torques.gear;
     if (robot_->has_controller()) {
-      signal(Signal::voltage) = Axes::voltage_of(equations_.electrical(x));
+      const double* electrical = equations_.electrical(x);
+      const auto inside = equations_.axes.voltages(electrical, equations_.command(t, x));
+      signal(Signal::command) = inside.command;
+      signal(tachogenerator_voltage) = inside.tachogenerator;
+      signal(rate_error) = inside.rate_error;
+      signal(Signal::voltage) = Axes::voltage_of(electrical);
     } else {
-      signal(Signal::voltage).setConstant(not_available);
+      for (const Signal which :
+           {Signal::command, tachogenerator_voltage, rate_error, Signal::voltage}) {
+        signal(which).setConstant(not_available);
+      }
     }
+  }
+
+  void energies(const double* x, const double* signals, double* values) override {
+    const auto signal = [signals](Signal which) { return ConstView<N>(signals + which * N); };
+    const auto energy = [values](Energy which) { return View<N>(values + which * N); };
+    const auto stored = equations_.stored_energies(x);
+    energy(kinetic_energy) = stored.kinetic;
+    energy(potential_energy) = stored.potential;
+    energy(elastic_energy) = stored.elastic;
+    // No power is 0, not -0.
+    energy(motor_power) = signal(motor_torque) * signal(rotor_rate) + 0.0;
+    energy(gear_power) = signal(gear_torque) * signal(rotor_rate) + 0.0;
+    energy(joint_power) = signal(joint_torque) * signal(joint_rate) + 0.0;
+    energy(friction_loss) = signal(Signal::friction_torque) * signal(rotor_rate) + 0.0;
+    energy(damping_loss) = equations_.damping_loss(x);
   }
 
  private:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from enum import Enum
 from typing import Any
 
-from numpy import float64, int8, intp
+from numpy import float64, int8, int32, intp
 from numpy.typing import NDArray
 
 _Floats = NDArray[float64]
@@ -21,7 +21,9 @@ sundials_version: str
 
 def forget_propagators() -> None: ...
 
-signal_names: tuple[str, ...]
+# Name, unit and description of each.
+signals: tuple[tuple[str, str, str], ...]
+energies: tuple[tuple[str, str, str], ...]
 axis_elements: tuple[str, ...]
 
 _Model = int | str
@@ -164,6 +166,23 @@ class System:
 class Snapshot: ...
 
 class Trajectory:
+    def __init__(
+        self,
+        begin: _Floats,
+        end: _Floats,
+        mode: NDArray[int32],
+        dense: _Floats,
+        branches: NDArray[int32],
+        held: _Floats,
+    ) -> None: ...
+    @property
+    def parts(self) -> tuple[NDArray[Any], ...]:
+        """The arguments of the constructor.
+
+        Of each step its begin, end and mode (n_steps,) and its dense output (n_steps, size); of
+        each mode its branches and held values (n_modes, ...).
+        """
+
     @property
     def begin(self) -> _Floats: ...
     @property
@@ -212,7 +231,11 @@ class Simulator:
     def state(self) -> _Floats: ...
     @property
     def signals(self) -> _Floats:
-        """(n_signals, N), in the order of `signal_names`."""
+        """(n_signals, N)."""
+
+    @property
+    def energies(self) -> _Floats:
+        """(n_energies, N)."""
 
     @property
     def branches(self) -> dict[str, NDArray[int8]]: ...
@@ -233,8 +256,29 @@ def evaluate(
     trajectory: Trajectory,
     t: _Floats,
     step: NDArray[intp],
-) -> tuple[_Floats, _Floats, NDArray[int8]]:
-    """States (n, n_states), signals (n_signals, n, N), branches (n_elements, n, N)."""
+) -> tuple[_Floats, NDArray[int8]]:
+    """States (n, n_states), branches (n_elements, n, N)."""
+
+def evaluate_signals(
+    robot: Robot,
+    inputs: Inputs,
+    trajectory: Trajectory,
+    t: _Floats,
+    step: NDArray[intp],
+    states: _Floats,
+) -> _Floats:
+    """Signals (n_signals, n, N) in given states (n, n_states)."""
+
+def evaluate_energies(
+    robot: Robot,
+    inputs: Inputs,
+    trajectory: Trajectory,
+    t: _Floats,
+    step: NDArray[intp],
+    states: _Floats,
+    signals: _Floats,
+) -> _Floats:
+    """Energies (n_energies, n, N) in given states (n, n_states) with signals (n_signals, n, N)."""
 
 # Many runs.
 
@@ -284,7 +328,7 @@ class Outcome:
     def final_state(self) -> _Floats: ...
     @property
     def signals(self) -> _Floats:
-        """(n_signals, N), in the order of `signal_names`."""
+        """(n_signals + n_energies, N): these after those."""
 
     def raise_failure(self) -> None:
         """Raise what has ended the run, if it failed."""

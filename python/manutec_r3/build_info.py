@@ -1,6 +1,7 @@
 """What the simulator at hand was built from, and for which processor."""
 
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import version
 
 from . import _core
@@ -37,6 +38,7 @@ class BuildInfo:
     eigen: str
 
 
+@cache
 def build_info() -> BuildInfo:
     """Return what is in use: version, processor, compiler and libraries."""
     return BuildInfo(

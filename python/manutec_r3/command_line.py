@@ -15,13 +15,13 @@ from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from .archive import write_events, write_npz
 from .bench import PARTS, for_markdown, for_terminal, machine
 from .check import Check
 from .check import check as compute_checks
 from .errors import SimulationError
+from .experiment import Method
 from .plot import figure9, new_figure
-from .result import Method, Result
+from .result import Result
 from .scenario import Scenario, scenarios
 
 app = typer.Typer(
@@ -325,8 +325,8 @@ def _write(out: Console, scenario: Scenario, result: Result, folder: Path) -> No
     """Write result, events and picture, and list them."""
     folder.mkdir(parents=True, exist_ok=True)
     files = [folder / "result.npz", folder / "events.csv"]
-    write_npz(files[0], result, scenario.source)
-    write_events(files[1], result)
+    result.save(files[0])
+    result.events.to_csv(files[1])
     missing = None
     try:
         picture = new_figure()

@@ -1,9 +1,18 @@
 """The table of events of a run."""
 
 from collections.abc import Iterable, Iterator
-from typing import NamedTuple
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+
+from . import files, html
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+# A reader of a notebook sees no more of a long list.
+_SHOWN = 60
 
 
 class Event(NamedTuple):
@@ -63,5 +72,35 @@ class Events:
     def __hash__(self) -> int:
         return hash(self._rows)
 
+    def to_pandas(self) -> "DataFrame":
+        """Return a table of pandas: a row for each event, with the columns above.
+
+        Raises
+        ------
+        ImportError
+            Without the extra ``files``.
+        """
+        try:
+            from pandas import DataFrame
+        except ImportError:
+            raise files.missing("pandas", "to_pandas") from None
+        return DataFrame({column: getattr(self, column) for column in Event._fields})
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write a table of comma-separated values, times [s] to the last digit.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        """
+        files.csv.write_events(path, self)
+
     def __repr__(self) -> str:
         return f"<{len(self)} events>"
+
+    def _repr_html_(self) -> str:
+        shown = self._rows[:_SHOWN]
+        title = f"{len(self)} events" + (f", the first {_SHOWN}" if len(self) > _SHOWN else "")
+        rows = ((f"{e.time:.9f}", e.axis, e.element.replace("_", " "), *e[3:]) for e in shown)
+        return html.table(title, ("time [s]", *Event._fields[1:]), rows)

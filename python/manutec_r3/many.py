@@ -7,15 +7,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import numpy as np
 
-from . import _core, parquet
+from . import _core
 from .errors import SimulationError
 from .events import Event, Events
+from .experiment import Experiment, Method
+from .files import parquet
 from .motion import Motion
 from .records import EventRecord, FinalRecord, PeakRecord, Record
-from .result import Method, Result, Statistics
+from .result import Result, Statistics
 from .robot import Robot
 from .scenario import Scenario
-from .simulation import InputLike, Setup, result_of, set_up, span
+from .simulation import InputLike, result_of, set_up, span
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -75,7 +77,7 @@ def _has_failed(entry: object) -> bool:
 class Finished(NamedTuple):
     """A run that the core has done; what it is for Python is made when somebody asks for it."""
 
-    job: "Job"
+    job: Experiment
     core: _core.Outcome
     record: Record
 
@@ -100,9 +102,9 @@ class Finished(NamedTuple):
         return {name: branches[name] for name in self.job.setup.inputs.robot._compiled.elements}
 
     def _kept(self, status: str) -> Outcome:
-        core, (setup, _, times) = self.core, self.job
+        core, setup = self.core, self.job.setup
         if self.record == "all":
-            return result_of(setup, core, core.events(), core.seconds, times, status)
+            return result_of(self.job, core, core.events(), core.seconds, status)
         statistics = Statistics(**core.statistics, seconds=core.seconds)
         inputs = setup.inputs
         of_run = (inputs.robot, inputs.motion, setup.method, setup.rtol, core.time, statistics)
@@ -158,8 +160,8 @@ def simulate_many(
         A Dask cluster that does the work instead, many runs at a time. Needs the extra ``dask``.
     to_parquet : str or Path, optional
         A folder that does not exist yet, for Parquet files with one row per run, instead of
-        results in memory; see `manutec_r3.parquet`. On a cluster all workers must reach it. Needs
-        the extra ``dask`` as well, and a `record` that is not everything.
+        results in memory; see `manutec_r3.files.parquet`. On a cluster all workers must reach it.
+        Needs the extra ``dask`` as well, and a `record` that is not everything.
 
     Returns
     -------
@@ -224,29 +226,22 @@ def simulate_many(
     return results
 
 
-class Job(NamedTuple):
-    """A run that is set up: all is checked."""
-
-    setup: Setup
-    t_end: float
-    times: np.ndarray | None
-
-
 def _job(
     name: str, run: Any, t_end: float | None, times: Sequence[float] | None, given: dict[str, Any]
-) -> Job:
+) -> Experiment:
     """Check a run and return it; errors begin with its name."""
     try:
         if isinstance(run, Scenario):
             t_end = run.t_end if t_end is None else t_end
-            arguments = run._arguments
+            arguments, scenario = run._arguments, run.source
         elif isinstance(run, tuple | list) and len(run) == 2:
-            arguments = dict(zip(("robot", "motion"), run, strict=True))
+            arguments, scenario = dict(zip(("robot", "motion"), run, strict=True)), ""
         else:
             raise TypeError(f"expected a pair of Robot and Motion, or a Scenario, got {run!r}")
         if t_end is None:
             raise TypeError("t_end: expected a time [s], got None")
-        return Job(set_up(**arguments | given), *span(t_end, times))
+        setup = set_up(**arguments | given)
+        return Experiment(setup, *span(t_end, times), scenario=scenario)
     except (TypeError, ValueError) as error:
         kind = TypeError if isinstance(error, TypeError) else ValueError
         raise kind(f"{name}: {error}") from error
@@ -263,7 +258,7 @@ def _number_of(workers: int | None) -> int:
 
 
 def _simulate(
-    jobs: list[Job], record: Record, n_workers: int, progress: Callable[[int], None] | None
+    jobs: list[Experiment], record: Record, n_workers: int, progress: Callable[[int], None] | None
 ) -> tuple[Results, BaseException | None]:
     """Return what came of runs, and what has ended the work before its time."""
     batch = _core.Batch([_run(job) for job in jobs], _core.Record[record])
@@ -287,7 +282,7 @@ def carrying(
     return stopped
 
 
-def _run(job: Job) -> _core.Run:
+def _run(job: Experiment) -> _core.Run:
     setup = job.setup
     return _core.Run(
         setup.inputs.robot._compiled,

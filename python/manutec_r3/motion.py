@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from . import _core
+from . import _core, html
 from .arguments import floats, number, numbers
 
 
@@ -66,6 +66,16 @@ class Motion(ABC):
     def acceleration(self, t: float | np.ndarray) -> np.ndarray:
         """Joint accelerations at time(s) `t` [s]: an array (..., n_axes) [rad/s^2]."""
         return self._evaluate(t, self._compiled.acceleration)
+
+    def _repr_html_(self) -> str:
+        ends = np.transpose([self.angle(0.0), self.angle(self.duration)]).tolist()
+        return html.table(
+            f"{type(self).__name__}: {self.duration:g} s, knots at "
+            + ", ".join(f"{knot:.6g}" for knot in self.knots)
+            + " s",
+            ("axis", "start [rad]", "end [rad]"),
+            ((axis, *row) for axis, row in enumerate(ends, start=1)),
+        )
 
     def _evaluate(
         self, t: float | np.ndarray, function: Callable[[np.ndarray], np.ndarray]

@@ -6,8 +6,9 @@ from typing import Literal
 import numpy as np
 
 from .events import Events
+from .experiment import Method
 from .motion import Motion
-from .result import Method, Statistics
+from .result import Statistics
 from .robot import Robot
 from .signals import Signals, signal_names
 

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from .signals import signal_names, signal_unit
+
 # A signal or the quantity of a state, and the axis that it belongs to.
 CurveName = tuple[str, int]
 
@@ -23,7 +25,7 @@ def read_curves(
         does not decrease; an instant that stands twice is a jump.
     columns : mapping of str to (str, int), optional
         Names of columns, each with the signal and axis that it holds; others are left out. Default:
-        all columns, named such as ``joint_angle[1]``.
+        all columns, named such as ``joint_angle[1]`` or ``joint_angle[1] [rad]``.
 
     Returns
     -------
@@ -99,11 +101,14 @@ def _named(path: str | Path, names: list[str]) -> dict[str, CurveName]:
     """Signal and axis of each column, as its name says."""
     columns = {}
     for name in names:
-        match = re.fullmatch(r"(\w+)\[(\d+)\]", name)
+        match = re.fullmatch(r"(\w+)\[(\d+)\](?: \[(.+)\])?", name)
         if not match:
             raise ValueError(
                 f"{path}: expected columns named such as 'joint_angle[1]', got {name!r}; "
                 "columns={'name': (signal, axis)} says what others hold"
             )
-        columns[name] = (match[1], int(match[2]))
+        signal, axis, unit = match.groups()
+        if unit and signal in signal_names and unit != signal_unit(signal):
+            raise ValueError(f"{path}: expected {signal} in {signal_unit(signal)}, got {name!r}")
+        columns[name] = (signal, int(axis))
     return columns

@@ -1,20 +1,25 @@
 """What came out of a run."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any, Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import _core
+from . import _core, files, html
 from . import plot as pictures
 from .arguments import floats
+from .build_info import BuildInfo
 from .events import Events
+from .experiment import Experiment
 from .inputs import Inputs
 from .limits import LimitExcess, limit_events, limit_excesses
 from .signals import Signals, signal_names
 
-Method = Literal["exponential", "erk", "bdf"]
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 
 @dataclass(frozen=True)
@@ -57,13 +62,18 @@ class Statistics:
         return self.sample_evaluations / self.samples if self.samples else float("nan")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Run:
-    """A recorded run: the steps of the integrator, and what they are steps of."""
+    """A recorded run: what was simulated, with what, and the steps of the integrator."""
 
-    inputs: Inputs
-    method: Method
+    experiment: Experiment
+    build: BuildInfo
     trajectory: _core.Trajectory
+
+    @property
+    def inputs(self) -> Inputs:
+        """What acts on the robot, and the robot."""
+        return self.experiment.setup.inputs
 
 
 class Samples(Signals):
@@ -75,6 +85,13 @@ class Samples(Signals):
         The instants [s].
     signals : tuple of str
         Names of all signals, ``state`` included.
+    robot : Robot
+        What was simulated.
+    motion : Motion or None
+        Its reference; without one `reference_angle`, `reference_rate` and `control_error` are NaN.
+    provenance : dict of str to str or float
+        Where it comes from: ``scenario``, the TOML text of one if there was one; ``method`` and
+        ``rtol``; and of `build_info` what was in use, such as ``version`` and ``processor``.
 
     All signals of `Signals` are attributes as well, as arrays (n, n_axes).
     """
@@ -85,32 +102,100 @@ class Samples(Signals):
         self._run = run
         self._step = step  # the step of the integrator that each instant belongs to
         self.time = time
+        self.robot = run.inputs.robot
+        self.motion = run.inputs.motion
+
+    @property
+    def provenance(self) -> dict[str, str | float]:
+        """Where it comes from."""
+        experiment, build = self._run.experiment, self._run.build
+        return {
+            "version": build.version,
+            "scenario": experiment.scenario,
+            "method": experiment.setup.method,
+            "rtol": experiment.setup.rtol,
+            "processor": build.processor,
+            "compiler": build.compiler,
+            "flags": build.flags,
+            "sundials": build.sundials,
+            "eigen": build.eigen,
+        }
 
     @cached_property
-    def _values(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _solution(self) -> tuple[np.ndarray, np.ndarray]:
+        """States (n, n_states) and branches (n_elements, n, n_axes)."""
         run = self._run
         return _core.evaluate(
             run.inputs.robot._compiled,
             run.inputs._compiled,
-            _core.Method[run.method],
+            _core.Method[run.experiment.setup.method],
             run.trajectory,
             self.time,
             self._step,
         )
 
+    @cached_property
+    def _signals(self) -> np.ndarray:
+        return _core.evaluate_signals(*self._of_run, self.state)
+
+    @cached_property
+    def _energies(self) -> np.ndarray:
+        return _core.evaluate_energies(*self._of_run, self.state, self._signals)
+
+    @property
+    def _of_run(self) -> tuple[Any, ...]:
+        """What was simulated, and where in its run these instants are."""
+        run = self._run
+        compiled = run.inputs.robot._compiled, run.inputs._compiled
+        return *compiled, run.trajectory, self.time, self._step
+
     @property
     def state(self) -> np.ndarray:
         """States (n, n_states), see `Robot.state_names`."""
-        return self._values[0]
+        return self._solution[0]
 
     @property
     def branches(self) -> dict[str, np.ndarray]:
         """Branches (n, n_axes) of each element: -1, 0, +1; 0 if an axis has no such element."""
-        branches = dict(zip(_core.axis_elements, self._values[2], strict=True))
-        return {name: branches[name] for name in self._run.inputs.robot._compiled.elements}
+        branches = dict(zip(_core.axis_elements, self._solution[1], strict=True))
+        return {name: branches[name] for name in self.robot._compiled.elements}
 
-    def _signal(self, name: str) -> np.ndarray:
-        return self._values[1][signal_names.index(name)]
+    def to_xarray(self) -> "Dataset":
+        """Return states, branches and all signals as a Dataset of xarray.
+
+        Dimensions are ``time``, ``axis`` and ``state``; units and descriptions are attributes of
+        each variable, and where a result comes from those of the Dataset. An event's instant stands
+        twice in the times of a result: to select by time, take ``result.at(times).to_xarray()``.
+
+        Raises
+        ------
+        ImportError
+            Without the extra ``files``.
+        """
+        return files.netcdf.dataset(self)
+
+    def to_csv(self, path: str | Path, signals: Sequence[str] | None = None) -> None:
+        """Write signals as a table of comma-separated values.
+
+        The first column is the time, ``time [s]``; then come all axes of each signal, such as
+        ``joint_angle[1] [rad]``. Numbers are written to their last digit. An event's instant stands
+        twice in a result, before and after. `compare` reads such a file.
+
+        Parameters
+        ----------
+        path : str or Path
+            Where to.
+        signals : sequence of str, optional
+            Which; ``state`` stands for all states. Default: all signals that the robot has.
+
+        Raises
+        ------
+        ValueError, TypeError
+            If there is no such signal.
+        OSError
+            If the file cannot be written.
+        """
+        files.csv.write_samples(path, self, signals)
 
     def __len__(self) -> int:
         return len(self.time)
@@ -123,10 +208,6 @@ class Result(Samples):
 
     Attributes
     ----------
-    robot : Robot
-        What was simulated.
-    motion : Motion or None
-        Its reference; without one `reference_angle`, `reference_rate` and `control_error` are NaN.
     t_end : float
         Where the run ended [s].
     method : {"exponential", "erk", "bdf"}
@@ -140,6 +221,8 @@ class Result(Samples):
         What it took.
     status : str
         ``completed``, or why it ended before its time.
+    robot, motion, provenance
+        As those of `Samples`.
     """
 
     # The pictures take a result first: they are methods as they are.
@@ -151,27 +234,18 @@ class Result(Samples):
     plot_stroboscope = pictures.stroboscope
 
     def __init__(
-        self,
-        run: Run,
-        rtol: float,
-        events: Events,
-        statistics: Statistics,
-        t_end: float,
-        times: np.ndarray | None = None,
-        status: str = "completed",
+        self, run: Run, events: Events, statistics: Statistics, t_end: float, status: str
     ) -> None:
+        times = run.experiment.times
         if times is not None:
             times = times[times <= t_end]
         super().__init__(run, *run.trajectory.instants(np.unique(events.time), times))
-        self.robot = run.inputs.robot
-        self.motion = run.inputs.motion
-        self.method = run.method
-        self.rtol = rtol
+        self.method = run.experiment.setup.method
+        self.rtol = run.experiment.setup.rtol
         self.events = events
         self.statistics = statistics
         self.t_end = t_end
         self.status = status
-        self._times = times
 
     @cached_property
     def limits(self) -> tuple[LimitExcess, ...]:
@@ -212,11 +286,9 @@ class Result(Samples):
         """Return a result that was constructed with some other arguments."""
         arguments = {
             "run": self._run,
-            "rtol": self.rtol,
             "events": self.events,
             "statistics": self.statistics,
             "t_end": self.t_end,
-            "times": self._times,
             "status": self.status,
         }
         return Result(**arguments | changes)
@@ -246,8 +318,104 @@ class Result(Samples):
             )
         return Samples(self._run, t, self._run.trajectory.steps_at(t))
 
+    def rerun(self, **overrides: Any) -> "Result":
+        """Simulate once more what led to this result.
+
+        With the same build on the same machine it is the same result, bit by bit.
+
+        Parameters
+        ----------
+        **overrides
+            Arguments of `simulate` that take the place of those of this run; all others stay as
+            they were, `rtol` and `method` included.
+
+        Raises
+        ------
+        ValueError, TypeError, SimulationError
+            As `simulate`. `ValueError` as well if the result comes from a file that could not hold
+            a motion or an input, which were functions; they can be given.
+        """
+        from .simulation import simulate  # which in turn needs what is here
+
+        experiment = self._run.experiment
+        return simulate(**experiment.arguments | overrides, _scenario=experiment.scenario)
+
+    def save(self, path: str | Path) -> None:
+        """Write everything to a file, from which `load` makes the same result.
+
+        Parameters
+        ----------
+        path : str or Path
+            Where to: ``.nc``, NetCDF4, which needs the extra ``files``; or ``.npz``, an archive of
+            NumPy. Both hold the same arrays under the same names, without pickled objects; see
+            `manutec_r3.files`.
+
+        Raises
+        ------
+        ValueError
+            If the path ends otherwise.
+        ImportError
+            Without the extra ``files``, for NetCDF4.
+        OSError
+            If the file cannot be written.
+        """
+        files.save(path, self)
+
+    @classmethod
+    def load(cls, path: str | Path) -> "Result":
+        """Read a result from a file that `save` has written.
+
+        All arrays, events, limits and statistics are those that were written, bit by bit. `at` and
+        `rerun` compute, with the build at hand: on another one what they give differs by roundoff.
+        Functions of the user's own are in no file: without them neither works, and both say so.
+
+        Raises
+        ------
+        ValueError
+            If it is no such file, or one of a version that recorded runs otherwise.
+        ImportError
+            Without the extra ``files``, for NetCDF4.
+        OSError
+            If the file cannot be read.
+        """
+        return files.load(path)
+
     def __repr__(self) -> str:
         return (
             f"<Result of model {self.robot.model}: 0 to {self.t_end:g} s, {len(self)} instants, "
             f"{len(self.events)} events>"
         )
+
+    def _repr_html_(self) -> str:
+        work = self.statistics
+        about = html.facts(
+            f"Result of model {self.robot.model}",
+            {
+                "time": f"0 to {self.t_end:g} s, {len(self)} instants",
+                "status": self.status,
+                "method": f"{self.method}, rtol {self.rtol:g}",
+                "events": len(self.events),
+                "limits exceeded": len(self.limits),
+                "work": f"{work.steps} steps, {work.evaluations} evaluations, {work.seconds:.3g} s",
+            },
+        )
+        angle = self.joint_angle
+        columns = {
+            "axis": range(1, self.robot.n_axes + 1),
+            "joint angle from [rad]": _texts(angle.min(axis=0), 4),
+            "to [rad]": _texts(angle.max(axis=0), 4),
+            "peak control error [mrad]": _peaks(1e3 * self.control_error),
+            "peak motor torque [N m]": _peaks(self.motor_torque),
+            "peak motor power [W]": _peaks(self.motor_power),
+        }
+        return about + html.table("Each axis", [*columns], zip(*columns.values(), strict=True))
+
+
+def _peaks(values: np.ndarray) -> list[str]:
+    """Return the largest magnitude on each axis."""
+    return _texts(np.abs(values).max(axis=0), 2)
+
+
+def _texts(values: np.ndarray, decimals: int) -> list[str]:
+    """Return numbers as texts; what there is not is a dash."""
+    return ["-" if np.isnan(value) else f"{value:.{decimals}f}" for value in values]

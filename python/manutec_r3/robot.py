@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from . import _core
+from . import _core, html
 from .arguments import floats, number, per_axis
 from .motion import Motion
 from .tables import TABLES, Rows, replaced
@@ -185,6 +185,30 @@ class Robot:
             if getattr(self, option.name) != getattr(usual, option.name)
         ]
         return f"Robot({', '.join(shown)})"
+
+    def _repr_html_(self) -> str:
+        load = self.load
+        place = ", ".join(f"{x:g}" for x in load.position)
+        soft = {"stiffness": f"{self.stiffness:g} N m/rad, N m s/rad"}
+        tables = {name: getattr(self, name) for name in TABLES}
+        return html.facts(
+            f"Manutec r3, model {self.model}",
+            {
+                "moving axes": self.n_axes,
+                "states": self.n_states,
+                "indicators": self.n_indicators,
+                "load": f"{load.mass:g} kg at ({place}) m" if load.mass else "none",
+                "controller": self.controller or "none",
+                "rotor coupling": ", ".join(np.atleast_1d(self.rotor_coupling)),
+                "gear damping": self.gear_damping,
+                "stiction": self.stiction,
+                **(soft if self.stiction != "exact" else {}),
+                "arm": self.arm,
+                "creep rate": f"{self.creep_rate:g} rad/s",
+                "voltage limit": f"{self.voltage_limit:g} V" if self.voltage_limit else "none",
+                **{f"own {name.replace('_', ' ')}": rows for name, rows in tables.items() if rows},
+            },
+        )
 
     def replace(self, **changes: Any) -> "Robot":
         """Return a robot that differs in some arguments of the constructor.

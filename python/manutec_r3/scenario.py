@@ -9,10 +9,11 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, Self
 
-from . import plain, scenario_file
+from . import html, plain, scenario_file
 from .errors import SimulationError
+from .experiment import Method
 from .motion import Motion
-from .result import Method, Result
+from .result import Result
 from .robot import Load, Robot
 from .simulation import Simulator, simulate
 from .tables import Rows
@@ -167,7 +168,27 @@ class Scenario:
             or that it does not have, such as ``times``.
         """
         arguments = {"t_end": self.t_end} | self._arguments | dict(self.record) | overrides
-        return simulate(**arguments)
+        try:
+            text = self.toml
+        except TypeError:  # there are functions that no file can hold
+            text = ""
+        return simulate(**arguments, _scenario=text)
+
+    def _repr_html_(self) -> str:
+        given = {
+            "end": f"{self.t_end:g} s",
+            "start": self.start,
+            "rtol": self.rtol,
+            "method": self.method,
+            **self.inputs,
+        }
+        about = {name: value for name, value in given.items() if value is not None}
+        motion = self.motion._repr_html_() if self.motion else ""
+        return (
+            html.facts(f"{self.name}: {self.description}", about)
+            + self.robot._repr_html_()
+            + motion
+        )
 
     @property
     def _arguments(self) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from pydantic import (
     model_validator,
 )
 
-from .result import Method
+from .experiment import Method
 
 # --- what is expected ---------------------------------------------------------------------------
 

@@ -1,48 +1,105 @@
-"""The signals that results and simulators offer under the same names."""
+"""The signals that results and simulators offer under the same names.
 
-import re
+Their names, units and descriptions are those of the core; the list below tells readers and type
+checkers of the attributes.
+"""
+
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from . import _core
 
-signal_names: tuple[str, ...] = _core.signal_names
+
+class SignalDescription(NamedTuple):
+    """What a signal is.
+
+    Attributes
+    ----------
+    unit : str
+        Its SI unit.
+    text : str
+        What it means, with the report's symbol and the side on which it is measured.
+    """
+
+    unit: str
+    text: str
 
 
-def _property(name: str, description: str) -> property:
-    return property(lambda self: self._signal(name), doc=description)
+# In two groups: energies take more work than the others, and are evaluated when they are asked for.
+_OF_MOTION = {name: SignalDescription(*row) for name, *row in _core.signals}
+descriptions = _OF_MOTION | {name: SignalDescription(*row) for name, *row in _core.energies}
+signal_names: tuple[str, ...] = tuple(descriptions)
+
+
+def signal_unit(name: str) -> str:
+    """Return the unit of a signal."""
+    return descriptions[name].unit
+
+
+class _Signal:
+    """An attribute that is a signal of this name."""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+        unit, text = descriptions[name]
+        self.__doc__ = f"{text} [{unit}]."
+
+    def __get__(self, instance: Any, owner: type | None = None) -> np.ndarray:
+        return self if instance is None else instance._signal(self._name)
+
+    def __set__(self, instance: object, value: object) -> None:
+        raise AttributeError(f"{self._name}: it is computed and cannot be set")
 
 
 class Signals:
     """Signals of all axes: the last dimension is n_axes.
 
     A signal that the robot does not have is NaN: references without a motion, voltages without a
-    controller.
+    controller; in the Modelica variant commands, rate errors and tachogenerators.
+
+    Energies, powers and losses of all axes are in balance: the sum of the energies changes by
+    motor powers less friction and damping losses, and by what a force on the tip does.
     """
 
     __slots__ = ()
 
-    def _signal(self, name: str) -> np.ndarray:
+    joint_angle = _Signal()
+    joint_rate = _Signal()
+    joint_acceleration = _Signal()
+    rotor_angle = _Signal()
+    rotor_rate = _Signal()
+    reference_angle = _Signal()
+    reference_rate = _Signal()
+    control_error = _Signal()
+    motor_torque = _Signal()
+    gear_torque = _Signal()
+    friction_torque = _Signal()
+    joint_torque = _Signal()
+    command = _Signal()
+    tachogenerator_voltage = _Signal()
+    rate_error = _Signal()
+    voltage = _Signal()
+    kinetic_energy = _Signal()
+    potential_energy = _Signal()
+    elastic_energy = _Signal()
+    motor_power = _Signal()
+    gear_power = _Signal()
+    joint_power = _Signal()
+    friction_loss = _Signal()
+    damping_loss = _Signal()
+
+    @property
+    def _signals(self) -> np.ndarray:
+        """Motion, torques and voltages, in the order of the core."""
         raise NotImplementedError
 
-    joint_angle = _property("joint_angle", "Joint angles `aq` [rad].")
-    joint_rate = _property("joint_rate", "Joint rates `aq'` [rad/s].")
-    joint_acceleration = _property("joint_acceleration", "Joint accelerations `aq''` [rad/s^2].")
-    rotor_angle = _property("rotor_angle", "Rotor angles `rq` [rad], motor side.")
-    rotor_rate = _property("rotor_rate", "Rotor rates `rq'` [rad/s], motor side.")
-    reference_angle = _property("reference_angle", "Desired joint angles `aq_d` [rad].")
-    reference_rate = _property("reference_rate", "Desired joint rates `aq_d'` [rad/s].")
-    control_error = _property("control_error", "Desired minus actual joint angles [rad].")
-    motor_torque = _property("motor_torque", "Motor torques `rF` after NL2 [N m], motor side.")
-    gear_torque = _property(
-        "gear_torque",
-        "Torques that gears take from rotors, `tau` or, rigid, `rF - rM` [N m], motor side.",
-    )
-    friction_torque = _property("friction_torque", "Friction torques `rM` [N m], motor side.")
-    joint_torque = _property("joint_torque", "Torques at the joints `aF` [N m], joint side.")
-    voltage = _property("voltage", "Output of the rate controllers `U` [V].")
+    @property
+    def _energies(self) -> np.ndarray:
+        """Energies, powers and losses, in the order of the core."""
+        raise NotImplementedError
 
-
-def signal_unit(name: str) -> str:
-    """Return the unit of a signal, as its description says in brackets."""
-    return re.search(r"\[(.+?)\]", getattr(Signals, name).__doc__)[1]
+    def _signal(self, name: str) -> np.ndarray:
+        index = signal_names.index(name)
+        n = len(_OF_MOTION)
+        return self._signals[index] if index < n else self._energies[index - n]

@@ -3,16 +3,17 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from time import perf_counter
-from typing import NamedTuple, get_args
+from typing import get_args
 
 import numpy as np
 
 from . import _core
 from .arguments import floats, number, numbers
+from .build_info import build_info
 from .errors import SimulationError
 from .events import Event, Events
+from .experiment import Experiment, Method, Setup
 from .inputs import (
-    Held,
     Input,
     Inputs,
     braked,
@@ -23,9 +24,9 @@ from .inputs import (
     one_per_axis,
 )
 from .motion import Motion
-from .result import Method, Result, Run, Statistics
+from .result import Result, Run, Statistics
 from .robot import Robot
-from .signals import Signals, signal_names
+from .signals import Signals
 
 # Events later than this after the end of a motion lose digits: the integrating controllers hunt
 # slowly for ever against friction and backlash (specification section 8) [s].
@@ -51,6 +52,7 @@ def simulate(
     list_limits: bool = False,
     enforce_limits: bool = False,
     progress: Callable[[float], None] | None = None,
+    _scenario: str = "",
 ) -> Result:
     """Simulate a robot that follows a motion.
 
@@ -140,10 +142,10 @@ def simulate(
         _record=True,
     )
     core = simulator._compiled
+    asked = Experiment(simulator._setup, t_end, times, list_limits, enforce_limits, _scenario)
 
     def result(status: str = "completed") -> Result:
-        seconds = perf_counter() - began
-        free = result_of(simulator, core, core.events(0), seconds, times, status)
+        free = result_of(asked, core, core.events(0), perf_counter() - began, status)
         told = free._listing_limits() if list_limits else free
         return told._until_limit() if enforce_limits else told
 
@@ -170,18 +172,6 @@ def span(t_end: float, times: Sequence[float] | None) -> tuple[float, np.ndarray
                 f"times: expected instants from 0 to {t_end:g} s, got {times[outside][0]:g} s"
             )
     return t_end, times
-
-
-class Setup(NamedTuple):
-    """What a run begins with, all of it checked."""
-
-    inputs: Inputs
-    held: Held
-    brakes: list[bool]
-    start: str | np.ndarray
-    method: Method
-    rtol: float
-    list_samples: bool
 
 
 def set_up(
@@ -220,21 +210,18 @@ def set_up(
 
 
 def result_of(
-    simulated: "Setup | Simulator",
+    experiment: Experiment,
     core: _core.Simulator | _core.Outcome,
     events: list[tuple],
     seconds: float,
-    times: np.ndarray | None,
     status: str,
 ) -> Result:
     """Return the result of a run that the core has recorded."""
     return Result(
-        Run(simulated.inputs, simulated.method, core.trajectory),
-        simulated.rtol,
+        Run(experiment, build_info(), core.trajectory),
         Events(Event(*event) for event in events),
         Statistics(**core.statistics, seconds=seconds),
         core.time,
-        times,
         status,
     )
 
@@ -273,7 +260,7 @@ class Simulator(Signals):
         listed do not end `step_to_event`.
     """
 
-    __slots__ = ("_compiled", "_untold", "inputs", "method", "rtol")
+    __slots__ = ("_compiled", "_setup", "_untold", "inputs", "method", "rtol")
 
     def __init__(
         self,
@@ -302,6 +289,7 @@ class Simulator(Signals):
             tip_force=tip_force,
             brakes=brakes,
         )
+        self._setup = setup
         self.inputs, self.method, self.rtol = setup.inputs, setup.method, setup.rtol
         state = setup.start
         if isinstance(state, str):
@@ -359,8 +347,13 @@ class Simulator(Signals):
         """Evaluations, steps, rejected steps, events, restarts and samples so far."""
         return self._compiled.statistics
 
-    def _signal(self, name: str) -> np.ndarray:
-        return self._compiled.signals[signal_names.index(name)]
+    @property
+    def _signals(self) -> np.ndarray:
+        return self._compiled.signals
+
+    @property
+    def _energies(self) -> np.ndarray:
+        return self._compiled.energies
 
     @property
     def motor_torque(self) -> np.ndarray:
@@ -377,18 +370,12 @@ class Simulator(Signals):
 
     @property
     def command(self) -> np.ndarray:
-        """What the rate controllers get (n_axes,) [V], if it is held.
+        """Commands `u_c` to the rate controllers (n_axes,) [V].
 
-        With ``controller="external"`` it is an input: held until it is set again, zero at first.
-        With ``"sampled"`` it is what was made of the latest sample.
+        With ``controller="external"`` they are inputs: held until they are set again, zero at
+        first. With ``"sampled"`` they are what was made of the latest sample.
         """
-        if self.robot.controller not in ("external", "sampled"):
-            raise AttributeError(
-                "command: expected a robot with controller='external' or 'sampled', "
-                f"got controller={self.robot.controller!r}"
-            )
-        function = self.inputs.of_axes
-        return np.array(function(self.time)) if function else self._compiled.input
+        return self._signal("command")
 
     @command.setter
     def command(self, command: Sequence[float]) -> None:

@@ -30,7 +30,7 @@ int main() {
 
   // Looks every millisecond for the peaks.
   std::array<double, 6> largest_error = {}, largest_torque = {};
-  std::vector<double> signals(robot::signal_names.size() * 6);
+  std::vector<double> signals(robot::n_signals * 6);
   for (int k = 1; k <= 1500; ++k) {
     simulation.advance(0.001 * k, hybrid::Simulation::Stop::at_target,
                        hybrid::Simulation::Target::excluded);

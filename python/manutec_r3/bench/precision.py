@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple, get_args
 
 from .. import _core
-from ..result import Method
+from ..experiment import Method
 from ..scenario import Scenario
 from .runs import TOLERANCES, Outcome, bare_run, exact_run, outcome
 from .timing import Timing, side_by_side

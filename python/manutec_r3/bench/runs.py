@@ -17,7 +17,8 @@ import manutec_r3 as r3
 from .. import _core
 from ..accuracy import PROMISED, inside_steps, largest_errors, sequence
 from ..events import Event
-from ..result import Method, Result, Samples
+from ..experiment import Method
+from ..result import Result, Samples
 from ..robot import Load
 from ..scenario import Scenario
 from ..simulation import Simulator

@@ -101,7 +101,7 @@ def run(scenario: Scenario, rtol: float) -> SciPyRun:
         events += [Event(t, *change) for change in switched if change[1] != "sample"]
 
     time = np.concatenate(times)
-    values = np.concatenate(signals).reshape(len(time), len(signal_names), robot.n_axes)
+    values = np.concatenate(signals).reshape(len(time), -1, robot.n_axes)
     error, torque = (
         values[:, signal_names.index(name)] for name in ("control_error", "motor_torque")
     )

@@ -17,12 +17,13 @@ from dataclasses import asdict, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import _core
-from .errors import SimulationError
-from .events import Event
-from .records import EventRecord, FinalRecord, Record, RunRecord
-from .result import Statistics
-from .signals import signal_names
+from .. import _core
+from ..errors import SimulationError
+from ..events import Event
+from ..records import EventRecord, FinalRecord, Record, RunRecord
+from ..result import Statistics
+from ..signals import signal_names
+from .missing import missing
 
 if TYPE_CHECKING:
     from pyarrow import Schema
@@ -41,7 +42,7 @@ def checked_folder(path: str | Path, record: Record) -> Path:
     try:
         import pyarrow  # noqa: F401
     except ImportError:
-        raise ImportError("to_parquet: expected pyarrow; pip install 'manutec-r3[dask]'") from None
+        raise missing("pyarrow", "to_parquet", "dask") from None
     folder = Path(path)
     if folder.exists():
         raise ValueError(f"to_parquet: expected a folder that is not there yet, got {str(path)!r}")
