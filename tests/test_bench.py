@@ -49,7 +49,7 @@ def test_a_row_is_right_if_error_and_events_are_as_promised(row, is_right):
 def test_a_wrong_answer_fails_however_fast_it_is(monkeypatch, how):
     fast = Row("fast", Timing(0.1, 0.1), error=1e-3, allowed=1e-6)
     table = Table("race", "A race", "ms", [Row("slow", SECOND, error=0.0, allowed=1e-6), fast])
-    monkeypatch.setattr(command_line, "PARTS", {"race": lambda repeats: table})
+    monkeypatch.setattr(command_line.judging, "PARTS", {"race": lambda repeats: table})
     done = command(*how)
     assert done.exit_code == 1
     assert "not as promised: race: fast" in done.stderr
@@ -241,5 +241,5 @@ def test_json_has_the_machine_and_times_in_seconds():
 
 def test_an_unknown_part_is_refused():
     done = command("figure8")
-    assert done.exit_code == 1
+    assert done.exit_code == 2
     assert "parts: expected some of right-hand-side, " in done.stderr

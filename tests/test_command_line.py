@@ -1,9 +1,13 @@
 """The command `manutec-r3`: what it prints, what it writes, how it ends."""
 
 import csv
+import json
 import re
+import signal
+import subprocess
 import sys
 from importlib.metadata import version
+from time import sleep
 
 import numpy as np
 import pytest
@@ -242,16 +246,22 @@ def test_a_simulation_that_cannot_begin_is_one_line(command, tmp_path):
     assert not (tmp_path / "wild").exists()
 
 
-def test_an_interrupted_run_says_so_and_writes_nothing(command, tmp_path, monkeypatch):
-    def interrupt(self, progress, **overrides):
-        progress(0.25)
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(r3.Scenario, "run", interrupt)
-    done = command("run", "short.toml")
-    assert done.exit_code == 130
-    assert one_line(done.stderr) == "interrupted at t = 0.250 s, nothing is written"
-    assert not (tmp_path / "short").exists()
+def test_an_interrupted_run_keeps_what_was_computed(tmp_path):
+    # At rest for a thousand seconds: nobody waits for the end of it.
+    text = SHORT.replace("0.02", "1e6").replace("[motion]", 'controller = "sampled"\n[motion]')
+    (tmp_path / "long.toml").write_text(text)
+    program = [sys.executable, "-m", "manutec_r3", "run", "long.toml"]
+    with subprocess.Popen(
+        program, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as running:
+        sleep(3.0)
+        running.send_signal(signal.SIGINT)
+        _, said = running.communicate(timeout=60)
+    assert running.returncode == 130
+    assert "the simulation was interrupted at t = " in one_line(said)
+    result = r3.Result.load(tmp_path / "long/result.npz")
+    assert 0.0 < result.time[-1] < 1e6
+    assert result.status.startswith("interrupted at ")
 
 
 @pytest.mark.parametrize(
@@ -263,12 +273,18 @@ def test_an_interrupted_run_says_so_and_writes_nothing(command, tmp_path, monkey
         (["run", "wrong.toml"], "wrong.toml: t_end is missing"),
         (["run", "short.toml", "--rtol", "-1"], "rtol"),
         (["run", "short.toml", "--output", "short.toml"], "short.toml: "),
+        (["plot", "none.npz"], "none.npz: "),
+        (["plot", "short.toml", "--axis", "2"], "axis: expected none for figure9, got 2"),
+        (["plot", "short.toml", "--kind", "phase", "--axis", "7"], "axis: expected "),
+        (["plot", "short.toml", "--output", "none/a.png"], "none/a.png: "),
+        (["compare", "short.toml", "none.csv"], "none.csv: "),
+        (["compare", "short.toml", "short.toml", "--width", "-1"], "width: expected "),
     ],
 )
-def test_a_mistake_is_one_line_and_exit_code_1(command, tmp_path, arguments, message):
+def test_a_mistake_is_one_line_and_exit_code_2(command, tmp_path, arguments, message):
     (tmp_path / "wrong.toml").write_text(SHORT.replace("t_end = 0.02", ""))
     done = command(*arguments)
-    assert done.exit_code == 1
+    assert done.exit_code == 2
     assert message in one_line(done.stderr)
 
 
@@ -288,3 +304,55 @@ def test_list_describes_every_scenario(command):
 def test_what_show_prints_is_a_scenario(command, tmp_path):
     (tmp_path / "mine.toml").write_text(command("show", "figure9").stdout)
     assert r3.Scenario.load("mine.toml").source == r3.Scenario.load("figure9").source
+
+
+# --- what machines read -------------------------------------------------------------------------
+
+
+def test_run_tells_machines_the_same(command):
+    done = command("run", "figure9", "--json")
+    said = json.loads(done.stdout)
+    result = r3.Scenario.load("figure9").run()
+    assert said["status"] == "completed"
+    assert said["events"] == {"dead_zone": 26, "friction": 20, "backlash": 13, "reference": 1}
+    highest = result.joint_angle.max(axis=0).tolist()
+    assert said["signals"]["joint_angle"]["highest"] == highest
+    assert said["statistics"]["steps"] == result.statistics.steps
+    assert [excess["axis"] for excess in said["limits"]] == [e.axis for e in result.limits]
+    assert said["files"] == ["figure9/result.npz", "figure9/events.csv", "figure9/figure9.png"]
+
+
+def test_what_is_not_a_number_is_null(command, tmp_path):
+    still = 't_end = 0.01\n[robot]\nmodel = 2\ncontroller = "none"\n'
+    (tmp_path / "still.toml").write_text(still)
+    said = json.loads(command("run", "still.toml", "--json").stdout)
+    assert set(said["signals"]) == {"joint_angle", "motor_torque"}  # no motion, no error
+
+
+def test_lists_and_checks_are_data_as_well(command):
+    assert set(json.loads(command("list", "--json").stdout)) == set(r3.scenarios())
+    checks = json.loads(command("check", "--json").stdout)
+    assert len(checks) == len(r3.check())
+    assert all(check["passed"] for check in checks)
+
+
+# --- results on disk ----------------------------------------------------------------------------
+
+
+def test_pictures_are_drawn_from_a_result_on_disk(command, tmp_path):
+    command("run", "short.toml")
+    for kind in ("figure9", "events", "friction", "backlash", "phase", "stroboscope"):
+        done = command("plot", "short/result.npz", "--kind", kind)
+        assert done.stdout == f"wrote result-{kind}.png\n"
+        assert (tmp_path / f"result-{kind}.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_runs_are_compared(command):
+    command("run", "short.toml")
+    same = command("compare", "short/result.npz", "short.toml")
+    assert (same.exit_code, same.stdout.splitlines()[0]) == (0, "agrees from 0 to 0.02 s")
+    differs = command("compare", "sampled-control", "figure9", "--json")
+    assert differs.exit_code == 1
+    said = json.loads(differs.stdout)
+    assert not said["agrees"]
+    assert {curve["signal"] for curve in said["curves"]} >= {"joint_angle", "motor_torque"}

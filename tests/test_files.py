@@ -302,7 +302,8 @@ def changed(path, **entries):
         ({"time": np.zeros(2)}, "expected the instants of its steps and events"),
         ({"experiment": "no JSON"}, "Expecting value"),
         ({"experiment": "[]"}, "experiment: list indices"),
-        ({"experiment": json.dumps({"robot": {"model": 9}})}, "'load' is missing"),
+        ({"experiment": json.dumps({"robot": {"model": 9}})}, "model: expected 1, .*, got 9"),
+        ({"experiment": json.dumps({"robot": {"model": 4}})}, "'motion' is missing"),
     ],
 )
 def test_a_file_that_is_something_else_is_refused(tmp_path, entries, message):

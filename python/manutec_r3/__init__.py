@@ -17,7 +17,7 @@ from .build_info import BuildInfo, build_info
 from .check import Check, check
 from .compare import Comparison, CurveComparison, compare
 from .compare_events import EventComparison, compare_events
-from .errors import SimulationError
+from .errors import SimulationError, SimulationInterrupted
 from .events import Event, Events
 from .inputs import Input
 from .limits import LimitExcess
@@ -54,6 +54,7 @@ __all__ = [
     "Scenario",
     "Sequence",
     "SimulationError",
+    "SimulationInterrupted",
     "Simulator",
     "Spline",
     "Statistics",

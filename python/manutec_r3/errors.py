@@ -1,4 +1,4 @@
-"""What can go wrong in a run; wrong arguments are `ValueError` and `TypeError`."""
+"""What can end a run; wrong arguments are `ValueError` and `TypeError`."""
 
 from typing import TYPE_CHECKING
 
@@ -49,3 +49,23 @@ class SimulationError(RuntimeError):
     def __reduce__(self) -> tuple:
         arguments = (self.time, self.state, self.branches, self.reason, self.result)
         return type(self), arguments
+
+
+class SimulationInterrupted(KeyboardInterrupt):
+    """Somebody has interrupted a run.
+
+    Attributes
+    ----------
+    time : float
+        How far it came [s].
+    result : Result
+        Everything computed so far.
+    """
+
+    def __init__(self, time: float, result: "Result") -> None:
+        super().__init__(f"the simulation was interrupted at t = {time:.9g} s")
+        self.time = time
+        self.result = result
+
+    def __reduce__(self) -> tuple:
+        return type(self), (self.time, self.result)

@@ -10,7 +10,7 @@ import numpy as np
 from . import _core
 from .arguments import floats, number, numbers
 from .build_info import build_info
-from .errors import SimulationError
+from .errors import SimulationError, SimulationInterrupted
 from .events import Event, Events
 from .experiment import Experiment, Method, Setup
 from .inputs import (
@@ -51,7 +51,7 @@ def simulate(
     brakes: bool | Sequence[bool] = False,
     list_limits: bool = False,
     enforce_limits: bool = False,
-    progress: Callable[[float], None] | None = None,
+    progress: Callable[[float, int], None] | None = None,
     _scenario: str = "",
 ) -> Result:
     """Simulate a robot that follows a motion.
@@ -100,7 +100,7 @@ def simulate(
         Until then the run is the one without this option, bit by bit; the work beyond is done all
         the same, and counted in the statistics.
     progress : callable, optional
-        Called with the time reached [s] now and then.
+        Called now and then with the time reached [s] and the number of events so far.
 
     Returns
     -------
@@ -110,6 +110,8 @@ def simulate(
     ------
     ValueError, TypeError
         What was wrong (argument, axis, unit), what was expected, what arrived.
+    SimulationInterrupted
+        If somebody presses Ctrl-C; it carries what was computed so far.
     SimulationError
         If the run cannot go on; it carries what was computed so far. With `enforce_limits`, only
         if no limit was exceeded before.
@@ -121,7 +123,9 @@ def simulate(
     """
     t_end, times = span(t_end, times)
     if progress is not None and not callable(progress):
-        raise TypeError(f"progress: expected a function of the time, got {progress!r}")
+        raise TypeError(
+            f"progress: expected a function of time and number of events, got {progress!r}"
+        )
 
     for name, value in (("list_limits", list_limits), ("enforce_limits", enforce_limits)):
         if not isinstance(value, bool):
@@ -149,8 +153,16 @@ def simulate(
         told = free._listing_limits() if list_limits else free
         return told._until_limit() if enforce_limits else told
 
+    def look_up(time: float) -> None:
+        if progress is not None:
+            progress(time, core.n_events)
+
     try:
-        simulator._advance(t_end, include_end=False, progress=progress)
+        simulator._advance(t_end, include_end=False, look_up=look_up)
+    except KeyboardInterrupt:
+        raise SimulationInterrupted(
+            core.time, result(f"interrupted at {core.time:.6g} s")
+        ) from None
     except SimulationError as error:
         error.result = result(error.status)
         if enforce_limits and error.result.limits:
@@ -491,12 +503,12 @@ class Simulator(Signals):
         *,
         include_end: bool,
         stop_at_event: bool = False,
-        progress: Callable[[float], None] | None = None,
+        look_up: Callable[[float], None] | None = None,
     ) -> None:
         core = self._compiled
         met = core.n_events
         try:
-            core.advance(target, stop_at_event, include_end, progress)
+            core.advance(target, stop_at_event, include_end, look_up)
         except _core.SimulationFailure as failure:
             raise SimulationError(core.time, core.state, self.branches, str(failure)) from None
         finally:

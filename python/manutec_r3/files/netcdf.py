@@ -59,7 +59,8 @@ def _storable(values: np.ndarray) -> np.ndarray:
 def _xarray(what: str) -> Any:
     try:
         import h5netcdf  # noqa: F401
+        import h5py  # noqa: F401
         import xarray
     except ImportError:
-        raise missing("xarray and h5netcdf", what) from None
+        raise missing("xarray, h5netcdf and h5py", what) from None
     return xarray

@@ -5,33 +5,16 @@ their place says so when somebody needs it.
 """
 
 import json
-from collections.abc import Mapping
-from dataclasses import fields
 from html import escape
 from typing import Any, NoReturn
 
 import numpy as np
 
-from .. import _core
+from .. import _core, plain
 from ..experiment import Experiment, Setup
 from ..inputs import Held, Input, Inputs, input_of
-from ..motion import Hold, Motion, Quintic, Sequence, Spline, Trapezoid
-from ..robot import Load, Robot
-
-# Arguments of the constructors, each with the attribute that holds it.
-_MOTIONS = {
-    Quintic: {"start": "start", "end": "end", "duration": "duration"},
-    Trapezoid: {
-        "start": "start",
-        "end": "end",
-        "rate": "rate_limit",
-        "acceleration": "acceleration_limit",
-    },
-    Spline: {"times": "times", "angles": "angles"},
-    Hold: {"angles": "angles", "duration": "duration"},
-    Sequence: {"motions": "motions"},
-}
-_MOTION_NAMED = {kind.__name__: kind for kind in _MOTIONS}
+from ..motion import Motion
+from ..robot import Robot
 
 
 def write(experiment: Experiment) -> tuple[str, list[str]]:
@@ -43,7 +26,7 @@ def write(experiment: Experiment) -> tuple[str, list[str]]:
         except _IsFunction:
             not_in_file.append(name)
             data[name] = {"function": sorted({*getattr(value, "knots", ())})}
-    return json.dumps(data, default=_plain), not_in_file
+    return json.dumps(data), not_in_file
 
 
 def read(text: str, scenario: str) -> Experiment:
@@ -56,7 +39,7 @@ def read(text: str, scenario: str) -> Experiment:
     """
     try:
         data = json.loads(text)
-        robot = _robot(data["robot"])
+        robot = plain.robot(data["robot"])
         of_axes, _ = input_of(robot) or ("", "")
         motion = data["motion"]
         functions, held = zip(
@@ -80,7 +63,7 @@ def read(text: str, scenario: str) -> Experiment:
         raise ValueError(f"experiment: {error}") from error
 
 
-# --- to JSON ------------------------------------------------------------------------------------
+# --- plain data ---------------------------------------------------------------------------------
 
 
 class _IsFunction(Exception):
@@ -89,51 +72,18 @@ class _IsFunction(Exception):
 
 def _data(value: Any) -> Any:
     """Plain data of an argument."""
-    if isinstance(value, Robot | Load):
-        return {of.name: _data(getattr(value, of.name)) for of in fields(value)}
-    if isinstance(value, Motion):
-        if type(value) not in _MOTIONS:
-            raise _IsFunction
-        attributes = _MOTIONS[type(value)]
-        arguments = {name: _data(getattr(value, of)) for name, of in attributes.items()}
-        return {"type": type(value).__name__, **arguments}
+    if isinstance(value, Robot):
+        return plain.of_robot(value)
     if isinstance(value, Input):
         raise _IsFunction
-    if isinstance(value, Mapping):  # of a table: by symbols, or by axes
-        return {str(key): _data(entry) for key, entry in value.items()}
-    if isinstance(value, tuple | list):
-        return [_data(entry) for entry in value]
-    return value
-
-
-def _plain(value: Any) -> Any:
-    """Numbers and arrays of NumPy."""
-    if isinstance(value, np.generic | np.ndarray):
-        return value.tolist()
-    raise TypeError(f"expected a number, got {value!r}")
-
-
-# --- from JSON ----------------------------------------------------------------------------------
-
-
-def _robot(data: dict[str, Any]) -> Robot:
-    return Robot(**{**_by_axis(data), "load": Load(**data["load"])})
-
-
-def _by_axis(value: Any) -> Any:
-    """Make numbers of the keys that name axes: in JSON they are texts."""
-    if not isinstance(value, dict):
-        return value
-    return {int(key) if key.isdecimal() else key: _by_axis(entry) for key, entry in value.items()}
+    try:
+        return plain.of_value(value)
+    except TypeError:  # a motion that is made of functions
+        raise _IsFunction from None
 
 
 def _motion(data: dict[str, Any]) -> Motion:
-    if "function" in data:
-        return MotionNotInFile()
-    arguments = {name: value for name, value in data.items() if name != "type"}
-    if "motions" in arguments:
-        arguments["motions"] = [_motion(member) for member in arguments["motions"]]
-    return _MOTION_NAMED[data["type"]](**arguments)
+    return MotionNotInFile() if "function" in data else plain.motion(data)
 
 
 def _input(name: str, data: Any) -> tuple[Input | None, np.ndarray | None]:
