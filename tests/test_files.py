@@ -443,9 +443,13 @@ def test_events_are_a_table_of_pandas():
 @pytest.mark.parametrize(
     ("library", "use", "message"),
     [
-        ("xarray", lambda r: r.to_xarray(), "to_xarray: expected xarray and h5netcdf; "),
-        ("h5netcdf", lambda r: r.save("run.nc"), "save: expected xarray and h5netcdf; "),
-        ("xarray", lambda r: r3.Result.load("run.nc"), "load: expected xarray and h5netcdf; "),
+        ("xarray", lambda r: r.to_xarray(), "to_xarray: expected xarray, h5netcdf and h5py; "),
+        ("h5netcdf", lambda r: r.save("run.nc"), "save: expected xarray, h5netcdf and h5py; "),
+        (
+            "xarray",
+            lambda r: r3.Result.load("run.nc"),
+            "load: expected xarray, h5netcdf and h5py; ",
+        ),
         ("pandas", lambda r: r.events.to_pandas(), "to_pandas: expected pandas; "),
     ],
 )
