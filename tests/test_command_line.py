@@ -251,12 +251,15 @@ def test_an_interrupted_run_keeps_what_was_computed(tmp_path):
     text = SHORT.replace("0.02", "1e6").replace("[motion]", 'controller = "sampled"\n[motion]')
     (tmp_path / "long.toml").write_text(text)
     program = [sys.executable, "-m", "manutec_r3", "run", "long.toml"]
-    with subprocess.Popen(
-        program, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as running:
-        sleep(3.0)
-        running.send_signal(signal.SIGINT)
-        _, said = running.communicate(timeout=60)
+    for seconds in (3.0, 10.0, 30.0):  # until it has begun, on a machine that is busy
+        with subprocess.Popen(
+            program, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        ) as running:
+            sleep(seconds)
+            running.send_signal(signal.SIGINT)
+            _, said = running.communicate(timeout=60)
+        if "simulation" in said:
+            break
     assert running.returncode == 130
     assert "the simulation was interrupted at t = " in one_line(said)
     result = r3.Result.load(tmp_path / "long/result.npz")

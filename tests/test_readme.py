@@ -19,7 +19,8 @@ def blocks():
     return re.findall(r"^```python\n(.*?)^```$.*?^```text\n(.*?)^```$", README, re.M | re.S)
 
 
-def test_the_code_prints_what_the_page_shows():
+def test_the_code_prints_what_the_page_shows(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # where it writes files
     assert len(blocks()) == README.count("```python") == README.count("```text") > 0
     names = {}  # later blocks go on where earlier ones end
     for number, (code, shown) in enumerate(blocks(), start=1):
