@@ -251,7 +251,7 @@ def test_an_interrupted_run_keeps_what_was_computed(tmp_path):
     text = SHORT.replace("0.02", "1e6").replace("[motion]", 'controller = "sampled"\n[motion]')
     (tmp_path / "long.toml").write_text(text)
     program = [sys.executable, "-m", "manutec_r3", "run", "long.toml"]
-    for seconds in (3.0, 10.0, 30.0):  # until it has begun, on a machine that is busy
+    for seconds in (1.5, 5.0, 30.0):  # until it has begun, on a machine that is busy
         with subprocess.Popen(
             program, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         ) as running:
