@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -12,6 +12,11 @@ from .events import Events
 from .inputs import Inputs
 from .limits import LimitExcess, limit_events, limit_excesses
 from .signals import Signals, signal_names
+
+if TYPE_CHECKING:
+    from os import PathLike
+
+    from .animation import Animation
 
 Method = Literal["exponential", "erk", "bdf"]
 
@@ -236,6 +241,37 @@ class Result(Samples):
                 f"times: expected instants from 0 to {self.t_end:g} s, got {t[outside][0]:g} s"
             )
         return Samples(self._run, t, self._run.trajectory.steps_at(t))
+
+    def animate(
+        self,
+        path: "str | PathLike[str] | None" = None,
+        *,
+        rate: float | None = None,
+        magnify: float = 1.0,
+    ) -> "Animation":
+        """Show the run in three dimensions, beside it its axes; in a notebook without a path.
+
+        Parameters
+        ----------
+        path : str or path, optional
+            Where to write the page: one file that any browser opens, without a network.
+        rate, magnify
+            Frames per second, and how many times the control error is shown; see
+            `manutec_r3.animation.Animation`.
+
+        Raises
+        ------
+        ValueError, TypeError
+            What was wrong, what was expected, what arrived.
+        ImportError
+            If trimesh or SciPy is not installed.
+        """
+        from .animation import Animation
+
+        animation = Animation(self, rate=rate, magnify=magnify)
+        if path is not None:
+            animation.save(path)
+        return animation
 
     def __repr__(self) -> str:
         return (
