@@ -53,44 +53,25 @@ try {
 THREE.ColorManagement.legacyMode = false; // colours of CSS are sRGB
 renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
 renderer.outputEncoding = THREE.sRGBEncoding;
-renderer.toneMapping = THREE.ACESFilmicToneMapping;
 renderer.shadowMap.enabled = true;
 renderer.shadowMap.type = THREE.PCFSoftShadowMap;
 
 const scene = new THREE.Scene();
 scene.fog = new THREE.Fog(style("--horizon"));
-scene.environment = studio();
 addLights();
 addFloor();
 
-// A white room with a bright ceiling and windows, for what shines to reflect.
-function studio() {
-  const room = new THREE.Scene();
-  const box = new THREE.BoxGeometry();
-  const wall = (colour, size, place) => {
-    const material = new THREE.MeshBasicMaterial({ color: new THREE.Color(...colour), side: THREE.DoubleSide });
-    const mesh = new THREE.Mesh(box, material);
-    mesh.scale.set(...size);
-    mesh.position.set(...place);
-    room.add(mesh);
-  };
-  wall([0.55, 0.58, 0.62], [20, 20, 20], [0, 0, 0]);
-  wall([2.6, 2.6, 2.6], [12, 12, 0.1], [0, 0, 9.8]);
-  wall([2.2, 2.2, 2.3], [0.1, 8, 6], [9.8, -3, 2]);
-  wall([1.2, 1.2, 1.3], [8, 0.1, 6], [-3, 9.8, 1]);
-  wall([0.35, 0.36, 0.38], [20, 20, 0.1], [0, 0, -9.8]);
-  const generator = new THREE.PMREMGenerator(renderer);
-  const texture = generator.fromScene(room, 0.03).texture;
-  generator.dispose();
-  return texture;
-}
-
+// The sun casts shadows; the sky, the floor and a lamp on the other side light what it leaves dark.
 function addLights() {
-  const sun = new THREE.DirectionalLight(0xffffff, 1.1);
+  scene.add(new THREE.HemisphereLight(0xffffff, 0x9aa5b1, 0.66));
+  const lamp = new THREE.DirectionalLight(0xdfeaff, 0.35);
+  lamp.position.set(-2.0, 3.0, 1.5);
+  scene.add(lamp);
+  const sun = new THREE.DirectionalLight(0xfffaf0, 0.72);
   sun.position.set(3.0, -0.4, 4.5);
   sun.castShadow = true;
-  sun.shadow.mapSize.set(2048, 2048);
-  sun.shadow.radius = 5;
+  sun.shadow.mapSize.set(1024, 1024);
+  sun.shadow.radius = 3;
   sun.shadow.normalBias = 0.02;
   Object.assign(sun.shadow.camera, { left: -2.2, right: 2.2, top: 2.2, bottom: -2.2, near: 0.5, far: 9 });
   scene.add(sun);
@@ -102,7 +83,6 @@ function addFloor() {
   shadow.position.z = run.floor;
   const grid = (size, step, colour) => {
     const lines = new THREE.GridHelper(size, size / step, colour, colour);
-    lines.material.toneMapped = false;
     lines.rotation.x = Math.PI / 2;
     lines.position.z = run.floor + 0.001;
     scene.add(lines);
@@ -169,7 +149,7 @@ function build(gltf) {
   resize();
   balls = everywhere();
   look("oblique");
-  seek(0);
+  seek(Number(location.hash.slice(1)) || 0); // run.html#0.7 begins at 0.7 s
   document.body.dataset.ready = "true";
 }
 

@@ -18,9 +18,9 @@ from .elements import rgb
 # Colours, how metallic and how rough.
 _MATERIALS = {
     "paint": ("#e4e6e4", 0.0, 0.42),
-    "casting": ("#3d4853", 0.2, 0.48),
-    "steel": ("#9aa3ab", 0.8, 0.35),
-    "load": ("#0b3c6f", 0.25, 0.35),
+    "casting": ("#3d4853", 0.0, 0.48),
+    "steel": ("#9aa3ab", 0.3, 0.35),
+    "load": ("#0b3c6f", 0.0, 0.35),
     "branch": ("#8d97a1", 0.0, 0.4),  # the page colours it as the friction of the joint
 }
 _SIDES = 36  # of what is round
