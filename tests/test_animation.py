@@ -3,6 +3,7 @@
 import re
 import shutil
 import sys
+from base64 import b64decode
 from io import BytesIO
 
 import matplotlib.image
@@ -68,7 +69,7 @@ class Browser:
             "--disable-dev-shm-usage",
             "--use-angle=swiftshader",
             "--enable-unsafe-swiftshader",
-            "--window-size=1000,700",
+            "--window-size=760,600",
             "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1",
         ):
             options.add_argument(argument)
@@ -117,6 +118,11 @@ class Browser:
 
 
 @pytest.fixture(scope="module")
+def animation(result):
+    return result.animate()
+
+
+@pytest.fixture(scope="module")
 def browser():
     browser = Browser()
     yield browser
@@ -124,11 +130,11 @@ def browser():
 
 
 @pytest.fixture
-def page(browser, result, tmp_path_factory):
+def page(browser, animation, tmp_path_factory):
     """The page of the benchmark experiment, as it is when it has been opened."""
     path = tmp_path_factory.getbasetemp() / "figure9.html"
     if not path.exists():
-        result.animate(path)
+        animation.save(path)
     if browser.driver.current_url != path.as_uri():
         browser.show(path)
     browser.slide(0.0)
@@ -319,9 +325,9 @@ def test_a_notebook_shows_it(browser, tmp_path):
 # --- the file ------------------------------------------------------------------------------------
 
 
-def test_the_page_names_the_licence_of_what_it_contains(result):
-    html = result.animate().html
-    assert re.search(r"@license\s+\* Copyright [-\d]+ Three.js Authors\s+\* SPDX.*: MIT", html)
+def test_the_page_names_the_licence_of_what_it_contains(animation):
+    licence = r"@license\s+\* Copyright [-\d]+ Three.js Authors\s+\* SPDX.*: MIT"
+    assert re.search(licence, animation.html)
 
 
 def test_long_runs_keep_the_page_below_three_megabytes():
@@ -336,11 +342,12 @@ def test_without_a_path_nothing_is_written(tmp_path, monkeypatch):
 
 
 def test_the_ghost_can_be_magnified(result):
-    def ghost(magnify):
-        html = result.animate(rate=10.0, magnify=magnify).html
-        return re.search(r'"reference_poses": "(.*?)"', html)[1]
-
-    assert ghost(1.0) != ghost(20.0)
+    html = result.animate(rate=10.0, magnify=20.0).html
+    sent = b64decode(re.search(r'"reference_poses": "(.*?)"', html)[1])
+    now = result.at(np.linspace(0.0, 1.5, 16))
+    expected = arm_poses(result.robot, now.joint_angle + 20.0 * now.control_error)
+    np.testing.assert_allclose(np.frombuffer(sent, "<f4"), expected.ravel(), atol=FLOAT32)
+    assert "control error 20 times" in html
 
 
 @pytest.mark.parametrize(

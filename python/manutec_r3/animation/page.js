@@ -280,6 +280,7 @@ function card(axis) {
     return words;
   };
   const marks = Object.keys(MARKS).filter((name) => run.branches[name]?.[axis]).map((name) => [name, below("mark")]);
+  for (const [name, mark] of marks) mark.title = name.replace("_", " ");
   const errorShown = below("error");
 
   return function show(t) {
