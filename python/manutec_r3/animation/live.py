@@ -70,12 +70,15 @@ class LiveView:
     def _build_scene(self) -> None:
         scene, robot = self._server.scene, self.simulator.robot
         scene.set_up_direction("+z")
-        self._server.initial_camera.position = (2.4, -1.7, 0.8)
-        self._server.initial_camera.look_at = (0.0, 0.0, 0.15)
+        self._server.initial_camera.position = (3.9, 2.75, 1.1)
+        self._server.initial_camera.look_at = (0.0, -0.1, 0.15)
+        self._server.initial_camera.fov = 0.6
         scene.add_grid(
             "/floor",
             infinite_grid=True,
             cell_size=0.25,
+            cell_color=(226, 230, 234),
+            section_color=(196, 203, 210),
             position=(0, 0, shapes.floor_height(robot)),
         )
         names = ["robot"] if self.simulator.motion is None else ["robot", "reference"]
