@@ -5,9 +5,13 @@ the report: a left superscript `a` means the side of the arm, `r` the side of th
 `figure9.png` is what `manutec-r3 run figure9` draws, with fewer pixels.
 `precision.png` shows what a tolerance means and what it costs, for each method; its times are those
 of the machine that draws it, relative to each other.
+`animation.png` is what `Result.animate` writes, as Chromium shows it; without one it is left out.
 """
 
+import shutil
+import subprocess
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import matplotlib as mpl
 import numpy as np
@@ -309,6 +313,25 @@ def precision(points: list[Point]) -> Figure:
     return figure
 
 
+def photograph(result: r3.Result, time: float, path: Path) -> None:
+    """Write how the page of a run looks at an instant [s]."""
+    with TemporaryDirectory() as folder:
+        page = Path(folder) / "run.html"
+        result.animate(page)
+        browser = [
+            "chromium",
+            "--headless",
+            "--no-sandbox",
+            "--use-angle=swiftshader",  # WebGL without a graphics card
+            "--enable-unsafe-swiftshader",
+            "--hide-scrollbars",
+            "--window-size=1280,800",
+            "--virtual-time-budget=20000",  # until all is drawn [ms]
+        ]
+        address = f"{page.as_uri()}#{time}"
+        subprocess.run([*browser, f"--screenshot={path}", address], check=True, capture_output=True)
+
+
 def main(folder: Path = PICTURES, repeats: int = 15) -> None:
     """Write all pictures; times are the least of so many repeats."""
     # Words as outlines look the same everywhere; without salt and date so does the file.
@@ -319,6 +342,8 @@ def main(folder: Path = PICTURES, repeats: int = 15) -> None:
         figure.savefig(folder / "figure9.png", dpi=200)
         points = work_precision(r3.Scenario.load("figure9"), repeats=repeats)
         precision(points).savefig(folder / "precision.png", dpi=110)
+    if shutil.which("chromium"):
+        photograph(r3.Scenario.load("figure9").run(), 0.9, folder / "animation.png")
 
 
 if __name__ == "__main__":

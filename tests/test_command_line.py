@@ -280,6 +280,7 @@ def test_an_interrupted_run_keeps_what_was_computed(tmp_path):
         (["plot", "short.toml", "--axis", "2"], "axis: expected none for figure9, got 2"),
         (["plot", "short.toml", "--kind", "phase", "--axis", "7"], "axis: expected "),
         (["plot", "short.toml", "--output", "none/a.png"], "none/a.png: "),
+        (["animate", "short.toml", "--magnify", "nan"], "magnify: expected "),
         (["compare", "short.toml", "none.csv"], "none.csv: "),
         (["compare", "short.toml", "short.toml", "--width", "-1"], "width: expected "),
     ],
@@ -348,6 +349,13 @@ def test_pictures_are_drawn_from_a_result_on_disk(command, tmp_path):
         done = command("plot", "short/result.npz", "--kind", kind)
         assert done.stdout == f"wrote result-{kind}.png\n"
         assert (tmp_path / f"result-{kind}.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_a_page_is_written_from_a_result_on_disk(command, tmp_path):
+    command("run", "short.toml")
+    done = command("animate", "short/result.npz", "--output", "page.html")
+    assert done.stdout == "wrote page.html\n"
+    assert "<!doctype html>" in (tmp_path / "page.html").read_text(encoding="utf-8").lower()
 
 
 def test_runs_are_compared(command):

@@ -2,6 +2,7 @@
 
 import importlib.util
 import json
+import shutil
 from itertools import combinations
 from pathlib import Path
 
@@ -67,7 +68,8 @@ def test_a_notebook_is_kept_without_outputs(path):
 def test_the_script_draws_every_picture_that_is_kept(draw_pictures, tmp_path):
     draw_pictures.main(tmp_path, repeats=1)
     drawn = {path.name for path in tmp_path.iterdir()}
-    assert drawn == {path.name for path in PICTURES.iterdir()}
+    kept = {path.name for path in PICTURES.iterdir()}
+    assert drawn == (kept if shutil.which("chromium") else kept - {"animation.png"})
 
 
 def test_no_words_overlap_in_the_blocks(draw_pictures):

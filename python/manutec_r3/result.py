@@ -19,7 +19,11 @@ from .limits import LimitExcess, limit_events, limit_excesses
 from .signals import Signals, signal_names
 
 if TYPE_CHECKING:
+    from os import PathLike
+
     from xarray import Dataset
+
+    from .animation import Animation
 
 
 @dataclass(frozen=True)
@@ -379,6 +383,37 @@ class Result(Samples):
             If the file cannot be read.
         """
         return files.load(path)
+
+    def animate(
+        self,
+        path: "str | PathLike[str] | None" = None,
+        *,
+        rate: float | None = None,
+        magnify: float = 1.0,
+    ) -> "Animation":
+        """Show the run in three dimensions, beside it its axes; in a notebook without a path.
+
+        Parameters
+        ----------
+        path : str or path, optional
+            Where to write the page: one file that any browser opens, without a network.
+        rate, magnify
+            Frames per second, and how many times the control error is shown; see
+            `manutec_r3.animation.Animation`.
+
+        Raises
+        ------
+        ValueError, TypeError
+            What was wrong, what was expected, what arrived.
+        ImportError
+            If trimesh or SciPy is not installed.
+        """
+        from .animation import Animation
+
+        animation = Animation(self, rate=rate, magnify=magnify)
+        if path is not None:
+            animation.save(path)
+        return animation
 
     def __repr__(self) -> str:
         return (

@@ -42,3 +42,23 @@ def plot(
     except (ImportError, OSError, TypeError, ValueError) as error:
         fail(error)
     say(f"wrote {file}")
+
+
+@app.command()
+def animate(
+    run: SourceArgument,
+    output: Annotated[
+        Path | None, typer.Option(help="File to write (.html); default: from the run.")
+    ] = None,
+    magnify: Annotated[
+        float, typer.Option(help="Of the control error that the ghost shows, so many times.")
+    ] = 1.0,
+) -> None:
+    """Write a page that shows a run in three dimensions, in any browser, without a network."""
+    result = result_of(run)
+    file = output or Path(f"{Path(run).stem}.html")
+    try:
+        result.animate(file, magnify=magnify)
+    except (ImportError, OSError, TypeError, ValueError) as error:
+        fail(error)
+    say(f"wrote {file}")
