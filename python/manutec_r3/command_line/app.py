@@ -43,12 +43,15 @@ RtolOption = Annotated[
 MethodOption = Annotated[Method | None, typer.Option(help="Integrator; default: the scenario's.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")]
 
-out = Console(highlight=False)
+
+def console() -> Console:
+    """Return what prints on the terminal as it is now."""
+    return Console(highlight=False)
 
 
 def say(text: str) -> None:
     """Print a line as it is."""
-    out.print(text, markup=False, soft_wrap=True)
+    console().print(text, markup=False, soft_wrap=True)
 
 
 def print_json(data: Any) -> None:

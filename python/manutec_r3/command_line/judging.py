@@ -17,8 +17,8 @@ from .app import (
     JsonOption,
     SourceArgument,
     app,
+    console,
     fail,
-    out,
     print_json,
     result_of,
     say,
@@ -33,11 +33,11 @@ def check(as_json: JsonOption = False) -> None:
     if as_json:
         print_json([row._asdict() | {"passed": row.passed} for row in checks])
     else:
-        out.print(_verdicts(checks))
+        console().print(_verdicts(checks))
     if failed:
         fail(f"{failed} of {len(checks)} checks failed", ANSWER_IS_NO)
     if not as_json:
-        out.print(f"\nAll {len(checks)} checks passed.")
+        console().print(f"\nAll {len(checks)} checks passed.")
 
 
 @app.command()
@@ -114,8 +114,8 @@ def bench(
         if as_markdown:
             print(for_markdown(tables[-1]), flush=True)
         elif not as_json:
-            out.print(for_terminal(tables[-1]))
-            out.print()
+            console().print(for_terminal(tables[-1]))
+            console().print()
     if as_json:
         print(json.dumps({"machine": about, "tables": [table.as_dict() for table in tables]}))
     wrong = [

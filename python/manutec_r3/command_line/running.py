@@ -18,8 +18,8 @@ from .app import (
     RtolOption,
     ScenarioArgument,
     app,
+    console,
     fail,
-    out,
     print_json,
     say,
     scenario_of,
@@ -58,8 +58,8 @@ def run(
     if as_json:
         print_json(as_data(experiment, result, files))
     else:
-        summarise(out, experiment, result)
-        out.print()
+        summarise(console(), experiment, result)
+        console().print()
         for file in files:
             say(f"wrote {file}")
         if missing:
@@ -82,7 +82,7 @@ def list_scenarios(as_json: JsonOption = False) -> None:
     table = Table(box=None, show_header=False, pad_edge=False)
     for name, description in described.items():
         table.add_row(name, description)
-    out.print(table)
+    console().print(table)
 
 
 @app.command()
