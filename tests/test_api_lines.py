@@ -1130,6 +1130,16 @@ def test_a_simulator_that_cannot_go_on_stays_where_it_came_to():
     assert sim.time == pytest.approx(0.2, rel=4 * EPS)
 
 
+# --- weight -------------------------------------------------------------------------------------
+
+
+def test_importing_the_package_imports_nothing_heavy():
+    extras = {"dask", "h5netcdf", "matplotlib", "pandas", "pyarrow", "scipy", "trimesh", "xarray"}
+    script = f"import sys, manutec_r3; print(*{extras | {'pydantic', 'rich'}} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True)
+    assert done.stdout.split() == []
+
+
 # --- threads, interruption, silence -------------------------------------------------------------
 
 

@@ -460,15 +460,6 @@ def test_who_misses_a_library_is_told_what_to_install(library, use, message, mon
         use(result)
 
 
-def test_importing_the_package_imports_none_of_them():
-    script = (
-        "import sys, manutec_r3; "
-        "print(*{'xarray', 'pandas', 'h5netcdf', 'h5py', 'pyarrow'} & set(sys.modules))"
-    )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True)
-    assert done.stdout.split() == []
-
-
 # --- comma-separated values ---------------------------------------------------------------------
 
 

@@ -1,5 +1,7 @@
-"""Numbers at the door: what users pass becomes arrays of floats, or a clear error."""
+"""At the door: what users pass becomes arrays of floats, or a clear error."""
 
+from collections.abc import Iterable
+from difflib import get_close_matches
 from math import isfinite
 from typing import Any
 
@@ -58,3 +60,14 @@ def per_axis(name: str, value: Any, unit: str, n_axes: int) -> np.ndarray:
             f"{name} of axis {entry[-1] + 1}: expected a finite value [{unit}], got {array[entry]}"
         )
     return array
+
+
+def hint(name: object, known: Iterable[str]) -> str:
+    """Suggest what may have been meant, or all that is known."""
+    return near(name, known) or f", known are {', '.join(known)}"
+
+
+def near(name: object, known: Iterable[str]) -> str:
+    """Suggest what may have been meant."""
+    close = get_close_matches(str(name), known, n=1)
+    return f", did you mean {close[0]!r}?" if close else ""

@@ -9,7 +9,8 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, Self
 
-from . import html, plain, scenario_file
+from . import html, plain
+from .arguments import hint
 from .errors import SimulationError
 from .experiment import Method
 from .motion import Motion
@@ -205,7 +206,7 @@ def _find(name_or_path: str | Path) -> tuple[str, Traversable]:
     name = str(name_or_path)
     if name not in scenarios():
         raise ValueError(
-            f"no scenario {name!r} comes with the package{scenario_file.hint(name, scenarios())}; "
+            f"no scenario {name!r} comes with the package{hint(name, scenarios())}; "
             "one of your own is a path that ends in .toml"
         )
     return name, _FOLDER / f"{_ALIASES.get(name, name)}.toml"
@@ -218,6 +219,8 @@ _SOLVER = ("rtol", "method")
 
 def _settings(data: dict[str, Any]) -> dict[str, Any]:
     """Attributes of a scenario from the data of its file."""
+    from . import scenario_file  # pydantic takes its time to import
+
     scenario_file.check(data)
     settings = {key: data[key] for key in ("t_end", "description", "start") if key in data}
     settings["robot"] = _robot(data["robot"])

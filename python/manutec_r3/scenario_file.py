@@ -3,8 +3,7 @@
 Here are the keys, and what is expected of each; what fits together the robot and its motion know.
 """
 
-from collections.abc import Iterable, Mapping
-from difflib import get_close_matches
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import (
@@ -18,6 +17,7 @@ from pydantic import (
     model_validator,
 )
 
+from .arguments import hint, near
 from .experiment import Method
 
 # --- what is expected ---------------------------------------------------------------------------
@@ -247,14 +247,3 @@ def _wrong_type(motion: Mapping[str, Any]) -> str:
         return f"type is missing, expected one of {known}"
     name = motion["type"]
     return f"type: expected one of {known}, got {name!r}{near(name, _MOTION_TABLES)}"
-
-
-def hint(name: object, known: Iterable[str]) -> str:
-    """Suggest what may have been meant, or all that is known."""
-    return near(name, known) or f", known are {', '.join(known)}"
-
-
-def near(name: object, known: Iterable[str]) -> str:
-    """Suggest what may have been meant."""
-    close = get_close_matches(str(name), known, n=1)
-    return f", did you mean {close[0]!r}?" if close else ""

@@ -1,12 +1,11 @@
 """Tables 1 to 3 with numbers of one's own: what is given takes the place of what stands there."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 
-from .arguments import floats, number
+from .arguments import floats, hint, number
 
 TABLES = ("table_1", "table_2", "table_3")
 
@@ -152,6 +151,4 @@ def _entry(where: str, symbol: str, old: Any, new: Any, units: Units) -> Any:
 def _check_known(where: str, symbol: object, known: Mapping[str, Any]) -> None:
     if symbol in known:
         return
-    near = get_close_matches(str(symbol), known, n=1)
-    hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}"
-    raise ValueError(f"{where}: unknown symbol {symbol!r}, {hint}")
+    raise ValueError(f"{where}: unknown symbol {symbol!r}{hint(symbol, known)}")
