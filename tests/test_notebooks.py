@@ -2,6 +2,7 @@
 
 import importlib.util
 import json
+import re
 import shutil
 from itertools import combinations
 from pathlib import Path
@@ -20,14 +21,19 @@ every_notebook = pytest.mark.parametrize(
 )
 
 
-def code_cells(path):
-    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
-    return [cell for cell in cells if cell["cell_type"] == "code"]
+def script(name):
+    """A script beside the notebooks, as a module."""
+    spec = importlib.util.spec_from_file_location(name, NOTEBOOKS / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
-def as_python(cell):
-    """The source of a cell without the lines that only Jupyter understands."""
-    return "".join(line for line in cell["source"] if not line.startswith("%"))
+run_notebooks = script("run_notebooks")
+
+
+def read(path):
+    return json.loads(path.read_text(encoding="utf-8"))
 
 
 @pytest.fixture
@@ -42,27 +48,35 @@ def agg():
 
 @pytest.fixture
 def draw_pictures():
-    """The script beside the notebooks."""
-    spec = importlib.util.spec_from_file_location("draw_pictures", NOTEBOOKS / "draw_pictures.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return script("draw_pictures")
 
 
 @every_notebook
-def test_a_notebook_runs_from_top_to_bottom(path, agg):
-    names = {}
-    for number, cell in enumerate(code_cells(path), start=1):
-        exec(compile(as_python(cell), f"{path.name}, code cell {number}", "exec"), names)
-    for figure in map(plt.figure, plt.get_fignums()):
-        figure.canvas.draw()  # what a cell has built, a reader also sees
+def test_a_notebook_prints_what_is_kept_in_it(path, agg):
+    for cell, outputs in run_notebooks.run(read(path), path.name):
+        assert cell["outputs"] == outputs
 
 
 @every_notebook
-def test_a_notebook_is_kept_without_outputs(path):
-    for cell in code_cells(path):
-        assert cell["outputs"] == []
+def test_a_notebook_is_kept_without_pictures(path):
+    assert path.stat().st_size < 30_000
+    for cell in run_notebooks.code_cells(read(path)):
         assert cell["execution_count"] is None
+        assert [output["output_type"] for output in cell["outputs"]] in ([], ["stream"])
+
+
+@every_notebook
+def test_a_notebook_ends_with_what_to_try(path):
+    last = read(path)["cells"][-1]
+    headings = [line.strip() for line in last["source"] if line.startswith("#")]
+    assert headings[-1:] == ["## What to try"]
+
+
+@every_notebook
+def test_links_of_a_notebook_lead_to_files_that_exist(path):
+    for cell in read(path)["cells"]:
+        for link in re.findall(r"\]\(([^)]+)\)", "".join(cell["source"])):
+            assert cell["cell_type"] == "code" or (NOTEBOOKS / link).exists(), link
 
 
 def test_the_script_draws_every_picture_that_is_kept(draw_pictures, tmp_path):
