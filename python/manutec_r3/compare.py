@@ -146,7 +146,13 @@ class Comparison:
         raise ValueError(f"{signal!r} of axis {axis!r} was not compared")
 
     def worst(self, n: int | None = None) -> list[CurveComparison]:
-        """Curves, those that leave their tubes first, then by their relative deviation."""
+        """Return curves, those that leave their tubes first, then by their relative deviation.
+
+        Parameters
+        ----------
+        n : int, optional
+            How many; default: all.
+        """
         return sorted(self.curves, key=lambda c: (not c.agrees, _relative(c)), reverse=True)[:n]
 
     plot = pictures.comparison  # takes a comparison first: a method as it is

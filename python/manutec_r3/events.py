@@ -89,6 +89,11 @@ class Events:
     def to_csv(self, path: str | Path) -> None:
         """Write a table of comma-separated values, times [s] to the last digit.
 
+        Parameters
+        ----------
+        path : str or Path
+            Where to.
+
         Raises
         ------
         OSError

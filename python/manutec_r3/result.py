@@ -373,6 +373,11 @@ class Result(Samples):
         `rerun` compute, with the build at hand: on another one what they give differs by roundoff.
         Functions of the user's own are in no file: without them neither works, and both say so.
 
+        Parameters
+        ----------
+        path : str or Path
+            The file, ``.nc`` or ``.npz``.
+
         Raises
         ------
         ValueError

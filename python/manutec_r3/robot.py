@@ -213,7 +213,11 @@ class Robot:
     def replace(self, **changes: Any) -> "Robot":
         """Return a robot that differs in some arguments of the constructor.
 
-        Entries of tables are added to those that this robot has replaced already.
+        Parameters
+        ----------
+        **changes
+            Those arguments. Entries of tables are added to those that this robot has replaced
+            already.
 
         Raises
         ------
@@ -416,7 +420,18 @@ class Robot:
         )
 
     def inverse_dynamics(self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
-        """Torques at the joints [N m] for accelerations `qdd` [rad/s^2]; arrays (..., n_axes)."""
+        """Torques at the joints of the arm with ideal gears and without friction (spec section 6).
+
+        Parameters
+        ----------
+        q, qd, qdd : array_like (..., n_axes)
+            Angles [rad], rates [rad/s] and accelerations [rad/s^2].
+
+        Returns
+        -------
+        ndarray (..., n_axes)
+            Torques [N m].
+        """
         return self._per_pose(
             _core.inverse_dynamics, q=(q, "rad"), qd=(qd, "rad/s"), qdd=(qdd, "rad/s^2")
         )

@@ -156,7 +156,13 @@ class Scenario:
         path.write_text(self.toml, encoding="utf-8")
 
     def replace(self, **changes: Any) -> Self:
-        """Return a scenario that differs in some attributes."""
+        """Return a scenario that differs in some attributes.
+
+        Parameters
+        ----------
+        **changes
+            These attributes.
+        """
         return replace(self, **changes)
 
     def run(self, **overrides: Any) -> Result:
