@@ -181,7 +181,7 @@ def _relative(curve: CurveComparison) -> float:
 def _line(curves: list[CurveComparison]) -> str:
     """Describe all axes of a signal: the largest deviation, the axes that leave their tubes."""
     worst = max(curves, key=_relative)
-    line = f"{worst.signal:20}"
+    line = f"{worst.signal:24}"
     if worst.deviation == 0.0:
         line += "none"
     else:
