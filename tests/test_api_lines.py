@@ -14,6 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from child import child
 
 import manutec_r3 as r3
 
@@ -1168,8 +1169,7 @@ except KeyboardInterrupt:
     print(f"interrupted; still alive at {{sim.time:g}} s")
     sim.step(1e-3)
 """
-    command = [sys.executable, "-c", script]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+    with child(sys.executable, "-c", script) as process:
         assert process.stdout.readline() == "begins\n"
         time.sleep(1.0)  # it is under way, and has minutes to go
         assert process.poll() is None

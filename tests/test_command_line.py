@@ -4,13 +4,13 @@ import csv
 import json
 import re
 import signal
-import subprocess
 import sys
 from importlib.metadata import version
 from time import sleep
 
 import numpy as np
 import pytest
+from child import child
 from typer.testing import CliRunner
 
 import manutec_r3 as r3
@@ -252,9 +252,7 @@ def test_an_interrupted_run_keeps_what_was_computed(tmp_path):
     (tmp_path / "long.toml").write_text(text)
     program = [sys.executable, "-m", "manutec_r3", "run", "long.toml"]
     for seconds in (1.5, 5.0, 30.0):  # until it has begun, on a machine that is busy
-        with subprocess.Popen(
-            program, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-        ) as running:
+        with child(*program, cwd=tmp_path) as running:
             sleep(seconds)
             running.send_signal(signal.SIGINT)
             _, said = running.communicate(timeout=60)

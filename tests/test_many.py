@@ -2,7 +2,6 @@
 
 import pickle
 import signal
-import subprocess
 import sys
 import time
 from dataclasses import asdict, replace
@@ -10,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from child import child
 
 import manutec_r3 as r3
 
@@ -288,8 +288,7 @@ except KeyboardInterrupt as stopped:
     n_more = len(list(tasks.iterdir())) - n_threads if tasks.exists() else 0
     print(stopped.results, n_more, "more threads")
 """
-    command = [sys.executable, "-c", script]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+    with child(sys.executable, "-c", script) as process:
         assert process.stdout.readline() == "begins\n"
         began = time.perf_counter()
         process.send_signal(signal.SIGINT)

@@ -17,6 +17,7 @@
 
 namespace manutec_r3::robot {
 
+// Without the controllers and motors of the report.
 template <int N>
 void set_nothing_to_watch(typename Indicators<N>::Watched& values) {
   values[Indicators<N>::of_dead_zone].setZero();

@@ -250,8 +250,8 @@ class LinearDrives {
   const Inputs& inputs_;
   const OfEquations& equations_;
   const Mode<N>& mode_;
-  int n_electrical_;  // states of an axis
-  PerAxis<N> p_by_A_ = PerAxis<N>::Zero();
+  int n_electrical_;                        // states of an axis
+  PerAxis<N> p_by_A_ = PerAxis<N>::Zero();  // of rigid gears
   std::array<std::map<std::uint64_t, hybrid::LinearBlock>, N> blocks_;
   std::vector<double> zero_;   // a state
   std::vector<double> rates_;  // scratch

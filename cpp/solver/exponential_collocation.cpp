@@ -23,7 +23,7 @@ constexpr double first_contraction = 0.05;
 constexpr double per_doubling = 32.0;
 // An error that half as long a step would not mend.
 constexpr double hopeless = per_doubling;
-// Some of it is left as a reserve.
+// Some of the tolerance is left as a reserve.
 constexpr double allows_twice_as_long = 0.35 / per_doubling;
 // Inputs that changed by less than this part of the tolerance in the step before are predicted not
 // to change: their polynomials are roundoff, which extrapolation would let grow from step to step.

@@ -28,7 +28,6 @@ class PacketMatrix {
   }
 
   int padded_rows() const { return rows_; }
-  int n_columns() const { return columns_; }
   const double& operator()(int row, int column) const { return entries_[column * rows_ + row]; }
   double& operator()(int row, int column) { return entries_[column * rows_ + row]; }
   // The numbers of some columns, padding included.

@@ -531,12 +531,25 @@ def _tube(reference: _Traces, at: np.ndarray, tube: float) -> tuple[np.ndarray, 
     time, values = time[order], values[order]
     first = np.searchsorted(time, window[0], side="left")
     last = np.searchsorted(time, window[1], side="right")
-    # `reduceat` reduces from first to last, and then, of no interest, from last to the next first;
-    # one more row makes the end of the table a `last` like all others.
-    pieces = np.column_stack((first, last)).ravel()
-    values = np.concatenate((values, values[-1:]))
-    lowest, highest = (f.reduceat(values, pieces)[::2] for f in (np.minimum, np.maximum))
-    return lowest, highest
+    return (
+        _extremes(np.minimum, values, first, last),
+        _extremes(np.maximum, values, first, last),
+    )
+
+
+def _extremes(
+    extreme: np.ufunc, values: np.ndarray, first: np.ndarray, last: np.ndarray
+) -> np.ndarray:
+    """Extremes of the rows from first to last, last excluded, of windows that overlap a lot."""
+    # Two runs cover a window whose length is a power of two, the largest that fits into it.
+    powers = np.frexp(last - first)[1] - 1
+    found = np.empty((len(first), values.shape[1]))
+    runs = values  # extremes of as many rows from each row on
+    for power in range(powers.max() + 1):
+        length, of_length = 1 << power, powers == power
+        found[of_length] = extreme(runs[first[of_length]], runs[last[of_length] - length])
+        runs = extreme(runs[:-length], runs[length:])
+    return found
 
 
 def _interpolate(curves: _Traces, t: np.ndarray) -> np.ndarray:

@@ -192,7 +192,7 @@ class Robot:
         soft = {"stiffness": f"{self.stiffness:g} N m/rad, N m s/rad"}
         tables = {name: getattr(self, name) for name in TABLES}
         return html.facts(
-            f"Manutec r3, model {self.model}",
+            self.title,
             {
                 "moving axes": self.n_axes,
                 "states": self.n_states,
@@ -209,6 +209,14 @@ class Robot:
                 **{f"own {name.replace('_', ' ')}": rows for name, rows in tables.items() if rows},
             },
         )
+
+    @property
+    def title(self) -> str:
+        """What it is called in pictures and tables."""
+        variants = {"full-robot": "full robot", "one-axis": "one axis"}
+        if self.model in variants:
+            return f"Manutec r3, {variants[self.model]} of the Modelica variant"
+        return f"Manutec r3, model {self.model}"
 
     def replace(self, **changes: Any) -> "Robot":
         """Return a robot that differs in some arguments of the constructor.

@@ -4,6 +4,7 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -118,7 +119,7 @@ class Scenario:
     def _of(cls, name: str, source: str) -> Self:
         return cls(name, **_settings(tomllib.loads(source)), source=source)
 
-    @property
+    @cached_property
     def toml(self) -> str:
         """Its file: the text that it was loaded from, or one that says the same of what it is now.
 

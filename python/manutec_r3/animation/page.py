@@ -70,7 +70,7 @@ class Animation:
             raise ValueError(f"magnify: expected a positive number, got {magnify:g}")
         time = _frames(result.t_end, rate)
         self.html = Template(_file("page.html")).substitute(
-            title=f"Manutec r3, {_name(result.robot)}",
+            title=result.robot.title,
             css=_file("page.css"),
             run=json.dumps(_run(result, time, magnify), allow_nan=False),
             three=three(),
@@ -168,14 +168,6 @@ def _stays_of(time: np.ndarray, branch: np.ndarray) -> list[list[float]]:
     """Return beginnings [s] and branches, from those of all instants."""
     first = np.flatnonzero(np.diff(branch, prepend=branch[0] + 1))
     return [[float(time[k]), int(branch[k])] for k in first]
-
-
-def _name(robot: Robot) -> str:
-    if robot.model == "full-robot":
-        return "full robot of the Modelica variant"
-    if robot.model == "one-axis":
-        return "one axis of the Modelica variant"
-    return f"model {robot.model}"
 
 
 def _base64(array: np.ndarray) -> str:

@@ -71,8 +71,8 @@ def fail(message: str | Exception, code: int = WRONG_INPUT) -> NoReturn:
     """End with a message."""
     if isinstance(message, OSError):
         message = f"{message.filename}: {message.strerror}"
-    console = Console(stderr=True, highlight=False, soft_wrap=True)
-    console.print(f"[bold red]error:[/] {escape(str(message))}")
+    terminal = Console(stderr=True, highlight=False, soft_wrap=True)
+    terminal.print(f"[bold red]error:[/] {escape(str(message))}")
     raise typer.Exit(code)
 
 
@@ -84,17 +84,23 @@ def scenario_of(name: str) -> Scenario:
         fail(error)
 
 
-def result_of(source: str, **overrides: Any) -> Result:
-    """Run a scenario, or load a result file: whole, or as far as it came."""
+def result_of(source: str) -> Result:
+    """Run a scenario, or load a result file: whole, or it ends with the reason."""
     if Path(source).suffix in (".npz", ".nc"):
         try:
             return Result.load(source)
         except (ImportError, OSError, ValueError) as error:
             fail(error)
-    result, end = simulate(scenario_of(source), **overrides)
-    if end is not None and result is None:
-        fail(end, ANSWER_IS_NO)
+    result, end = simulate(scenario_of(source))
+    if end is not None:
+        stop(end)
     return result
+
+
+def stop(end: SimulationError | SimulationInterrupted, remark: str = "") -> NoReturn:
+    """End with the reason why a run has."""
+    interrupted = isinstance(end, SimulationInterrupted)
+    fail(f"{end}{remark}", INTERRUPTED if interrupted else ANSWER_IS_NO)
 
 
 def simulate(
@@ -123,7 +129,7 @@ class _Bar:
     """Time simulated, speed and events, on a terminal only."""
 
     def __init__(self, scenario: Scenario) -> None:
-        console = Console(stderr=True)
+        terminal = Console(stderr=True)
         self._progress = Progress(
             TextColumn("{task.description}"),
             BarColumn(),
@@ -131,9 +137,9 @@ class _Bar:
             TextColumn("{task.fields[events]} events"),
             TextColumn("{task.fields[speed]}"),
             TimeElapsedColumn(),
-            console=console,
+            console=terminal,
             transient=True,
-            disable=not console.is_terminal,
+            disable=not terminal.is_terminal,
         )
         self._task = self._progress.add_task(
             scenario.name, total=scenario.t_end, events=0, speed=""

@@ -6,13 +6,10 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from ..errors import SimulationInterrupted
 from ..plot import figure9, new_figure
 from ..result import Result
 from ..scenario import Scenario, scenarios
 from .app import (
-    ANSWER_IS_NO,
-    INTERRUPTED,
     JsonOption,
     MethodOption,
     RtolOption,
@@ -24,6 +21,7 @@ from .app import (
     say,
     scenario_of,
     simulate,
+    stop,
 )
 from .summary import as_data, summarise
 
@@ -50,7 +48,7 @@ def run(
     experiment = scenario_of(scenario)
     result, end = simulate(experiment, rtol=rtol, method=method)
     if result is None:
-        fail(str(end), ANSWER_IS_NO)
+        stop(end)
     try:
         files, missing = _write(experiment, result, output or Path(experiment.name))
     except OSError as error:
@@ -65,11 +63,7 @@ def run(
         if missing:
             say(f"no picture: {missing}")
     if end is not None:
-        interrupted = isinstance(end, SimulationInterrupted)
-        fail(
-            f"{end}; the folder holds what was computed until then",
-            INTERRUPTED if interrupted else ANSWER_IS_NO,
-        )
+        stop(end, "; the folder holds what was computed until then")
 
 
 @app.command("list")

@@ -173,11 +173,8 @@ def check_axis(result: "Result", axis: Any) -> int:
 def name_of(result: "Result") -> str:
     """Say which robot and load a result is of."""
     robot = result.robot
-    carried = f"load {robot.load.mass:g} kg" if robot.load.mass else "no load"
-    if robot.model == "full-robot":
-        return f"Manutec r3, full robot of the Modelica variant, {carried}"
     if robot.model == "one-axis":
         inertia = robot.parameters["table_3"]["arms"][0]["I33"]
-        moved = f"{inertia:g} kg m\N{SUPERSCRIPT TWO}"
-        return f"Manutec r3, one axis of the Modelica variant, inertia {moved}"
-    return f"Manutec r3, model {robot.model}, {carried}"
+        return f"{robot.title}, inertia {inertia:g} kg m\N{SUPERSCRIPT TWO}"
+    carried = f"load {robot.load.mass:g} kg" if robot.load.mass else "no load"
+    return f"{robot.title}, {carried}"
