@@ -1,9 +1,14 @@
 """Numbers at the door: what users pass becomes arrays of floats, or a clear error."""
 
+from collections.abc import Sequence
 from math import isfinite
 from typing import Any
 
 import numpy as np
+
+# What users may pass for numbers: one for each axis or instant; rows of one for each axis.
+Floats = Sequence[float] | np.ndarray
+PerAxis = Floats | Sequence[Floats]
 
 
 def numbers(name: str, value: Any, expected: str) -> np.ndarray:

@@ -183,7 +183,7 @@ def _line(curves: list[CurveComparison]) -> str:
             f"{worst.deviation:.1e} {worst.unit:7} {worst.relative_deviation:7.1e} of the range, "
             f"axis {worst.axis} at {worst.instant:.6g} s"
         )
-    left = {curve.axis: curve.leaves_at for curve in curves if not curve.agrees}
+    left = {curve.axis: at for curve in curves if (at := curve.leaves_at) is not None}
     if left:
         axes = ", ".join(map(str, left))
         line += f"; outside: axis {axes} from {min(left.values()):.6g} s"

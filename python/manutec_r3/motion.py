@@ -6,12 +6,12 @@ from collections import abc
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _core, html
-from .arguments import floats, number, numbers
+from .arguments import Floats, PerAxis, floats, number, numbers
 
 
 class Motion(ABC):
@@ -23,7 +23,11 @@ class Motion(ABC):
     At its knots it is right-continuous.
     """
 
-    duration: float
+    if TYPE_CHECKING:  # a field of some motions, others compute it
+
+        @property
+        def duration(self) -> float:
+            """Time from start to end [s]."""
 
     @property
     @abstractmethod
@@ -49,7 +53,7 @@ class Motion(ABC):
         """Instants at which the motion is not smooth [s]."""
         return self._compiled.knots
 
-    def angle(self, t: float | np.ndarray) -> np.ndarray:
+    def angle(self, t: float | Floats) -> np.ndarray:
         """Joint angles at time(s) `t` [s].
 
         Returns
@@ -59,11 +63,11 @@ class Motion(ABC):
         """
         return self._evaluate(t, lambda t: self._compiled.reference(t)[0])
 
-    def rate(self, t: float | np.ndarray) -> np.ndarray:
+    def rate(self, t: float | Floats) -> np.ndarray:
         """Joint rates at time(s) `t` [s]: an array (..., n_axes) [rad/s]."""
         return self._evaluate(t, lambda t: self._compiled.reference(t)[1])
 
-    def acceleration(self, t: float | np.ndarray) -> np.ndarray:
+    def acceleration(self, t: float | Floats) -> np.ndarray:
         """Joint accelerations at time(s) `t` [s]: an array (..., n_axes) [rad/s^2]."""
         return self._evaluate(t, self._compiled.acceleration)
 
@@ -78,13 +82,13 @@ class Motion(ABC):
         )
 
     def _evaluate(
-        self, t: float | np.ndarray, function: Callable[[np.ndarray], np.ndarray]
+        self, t: float | Floats, function: Callable[[np.ndarray], np.ndarray]
     ) -> np.ndarray:
-        t = floats("t", t, "s")
-        return function(t.ravel()).reshape(*t.shape, self.n_axes)
+        instants = floats("t", t, "s")
+        return function(instants.ravel()).reshape(*instants.shape, self.n_axes)
 
 
-def _tuple(name: str, values: abc.Sequence[float], unit: str) -> tuple[float, ...]:
+def _tuple(name: str, values: Floats, unit: str) -> tuple[float, ...]:
     array = numbers(name, values, f"1, 3 or 6 numbers [{unit}], one per axis")
     if array.ndim != 1:
         raise ValueError(
@@ -93,7 +97,7 @@ def _tuple(name: str, values: abc.Sequence[float], unit: str) -> tuple[float, ..
     return tuple(array.tolist())
 
 
-def _instants(name: str, values: abc.Sequence[float]) -> tuple[float, ...]:
+def _instants(name: str, values: Floats) -> tuple[float, ...]:
     array = numbers(name, values, "instants [s]")
     if array.ndim != 1:
         raise ValueError(f"{name}: expected a list of instants [s], got shape {array.shape}")
@@ -123,11 +127,11 @@ class Quintic(Motion):
     end: tuple[float, ...]
     duration: float
 
-    def __post_init__(self) -> None:
+    def __init__(self, start: Floats, end: Floats, duration: float) -> None:
         self._freeze(
-            start=_tuple("start", self.start, "rad"),
-            end=_tuple("end", self.end, "rad"),
-            duration=number("duration", self.duration, "s"),
+            start=_tuple("start", start, "rad"),
+            end=_tuple("end", end, "rad"),
+            duration=number("duration", duration, "s"),
         )
 
     @cached_property
@@ -164,10 +168,10 @@ class Trapezoid(Motion):
 
     def __init__(
         self,
-        start: abc.Sequence[float],
-        end: abc.Sequence[float],
-        rate: abc.Sequence[float],
-        acceleration: abc.Sequence[float],
+        start: Floats,
+        end: Floats,
+        rate: Floats,
+        acceleration: Floats,
     ) -> None:
         self._freeze(
             start=_tuple("start", start, "rad"),
@@ -215,15 +219,15 @@ class Spline(Motion):
     times: tuple[float, ...]
     angles: tuple[tuple[float, ...], ...]
 
-    def __post_init__(self) -> None:
-        times = _instants("times", self.times)
-        angles = numbers("angles", self.angles, "numbers [rad], a row of angles for each time")
-        if angles.ndim != 2 or len(angles) != len(times):
+    def __init__(self, times: Floats, angles: PerAxis) -> None:
+        instants = _instants("times", times)
+        rows = numbers("angles", angles, "numbers [rad], a row of angles for each time")
+        if rows.ndim != 2 or len(rows) != len(instants):
             raise ValueError(
-                f"angles: expected shape ({len(times)}, n_axes), a row of angles [rad] for each "
-                f"time, got shape {angles.shape}"
+                f"angles: expected shape ({len(instants)}, n_axes), a row of angles [rad] for each "
+                f"time, got shape {rows.shape}"
             )
-        self._freeze(times=times, angles=tuple(map(tuple, angles.tolist())))
+        self._freeze(times=instants, angles=tuple(map(tuple, rows.tolist())))
 
     @property
     def duration(self) -> float:
@@ -253,12 +257,12 @@ class Hold(Motion):
     """
 
     angles: tuple[float, ...]
-    duration: float = 0.0
+    duration: float
 
-    def __post_init__(self) -> None:
+    def __init__(self, angles: Floats, duration: float = 0.0) -> None:
         self._freeze(
-            angles=_tuple("angles", self.angles, "rad"),
-            duration=number("duration", self.duration, "s"),
+            angles=_tuple("angles", angles, "rad"),
+            duration=number("duration", duration, "s"),
         )
 
     @cached_property
@@ -287,14 +291,14 @@ class Sequence(Motion):
 
     motions: tuple[Motion, ...]
 
-    def __post_init__(self) -> None:
-        if not isinstance(self.motions, abc.Iterable):
-            raise TypeError(f"motions: expected a list of motions, got {self.motions!r}")
-        motions = tuple(self.motions)
-        for k, motion in enumerate(motions):
+    def __init__(self, motions: abc.Iterable[Motion]) -> None:
+        if not isinstance(motions, abc.Iterable):
+            raise TypeError(f"motions: expected a list of motions, got {motions!r}")
+        members = tuple(motions)
+        for k, motion in enumerate(members):
             if not isinstance(motion, Motion):
                 raise TypeError(f"motions[{k}]: expected a motion, got {motion!r}")
-        self._freeze(motions=motions)
+        self._freeze(motions=members)
 
     @property
     def duration(self) -> float:
@@ -307,7 +311,7 @@ class Sequence(Motion):
 
 
 # A function of time [s] that gives one number per axis.
-_Function = Callable[[float], abc.Sequence[float]]
+_Function = Callable[[float], Floats]
 
 
 @dataclass(frozen=True, repr=False)
@@ -360,7 +364,7 @@ class FunctionMotion(Motion):
         angle: _Function,
         rate: _Function,
         duration: float,
-        knots: abc.Sequence[float] = (),
+        knots: Floats = (),
         acceleration: _Function | None = None,
     ) -> None:
         given = {"angle": angle, "rate": rate}

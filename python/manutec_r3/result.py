@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _core, files, html
 from . import plot as pictures
-from .arguments import floats
+from .arguments import Floats, floats
 from .build_info import BuildInfo
 from .events import Events
 from .experiment import Experiment
@@ -143,7 +143,9 @@ class Samples(Signals):
         return _core.evaluate_energies(*self._of_run, self.state, self._signals)
 
     @property
-    def _of_run(self) -> tuple[Any, ...]:
+    def _of_run(
+        self,
+    ) -> tuple[_core.Robot, _core.Inputs, _core.Trajectory, np.ndarray, np.ndarray]:
         """What was simulated, and where in its run these instants are."""
         run = self._run
         compiled = run.inputs.robot._compiled, run.inputs._compiled
@@ -284,7 +286,7 @@ class Result(Samples):
 
     def _with(self, **changes: Any) -> "Result":
         """Return a result that was constructed with some other arguments."""
-        arguments = {
+        arguments: dict[str, Any] = {
             "run": self._run,
             "events": self.events,
             "statistics": self.statistics,
@@ -293,7 +295,7 @@ class Result(Samples):
         }
         return Result(**arguments | changes)
 
-    def at(self, times: float | np.ndarray) -> Samples:
+    def at(self, times: float | Floats) -> Samples:
         """Signals at any instants of the run, as accurate as at the steps.
 
         Parameters

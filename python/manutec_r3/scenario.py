@@ -1,7 +1,7 @@
 """Scenarios: an experiment in one TOML file, the robot, its motion and how it is simulated."""
 
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
@@ -74,7 +74,7 @@ class Scenario:
     motion: Motion | None
     t_end: float
     description: str = ""
-    start: str | tuple[float, ...] | None = None
+    start: str | Sequence[float] | None = None
     rtol: float | None = None
     method: Method | None = None
     inputs: Mapping[str, Any] = field(default_factory=dict)
@@ -219,7 +219,9 @@ _SOLVER = ("rtol", "method")
 def _settings(data: dict[str, Any]) -> dict[str, Any]:
     """Attributes of a scenario from the data of its file."""
     scenario_file.check(data)
-    settings = {key: data[key] for key in ("t_end", "description", "start") if key in data}
+    settings: dict[str, Any] = {
+        key: data[key] for key in ("t_end", "description", "start") if key in data
+    }
     settings["robot"] = _robot(data["robot"])
     with _at("[motion]"):
         settings["motion"] = plain.motion(data["motion"]) if "motion" in data else None

@@ -8,7 +8,7 @@ from typing import get_args
 import numpy as np
 
 from . import _core
-from .arguments import floats, number, numbers
+from .arguments import Floats, floats, number, numbers
 from .build_info import build_info
 from .errors import SimulationError
 from .events import Event, Events
@@ -32,7 +32,7 @@ from .signals import Signals
 # slowly for ever against friction and backlash (specification section 8) [s].
 _SETTLING = 0.5
 
-InputLike = Sequence[float] | Callable[[float], Sequence[float]] | Input
+InputLike = Floats | Callable[[float], Floats] | Input
 
 
 def simulate(
@@ -42,8 +42,8 @@ def simulate(
     *,
     rtol: float | None = None,
     method: Method | None = None,
-    start: str | Sequence[float] | None = None,
-    times: Sequence[float] | None = None,
+    start: str | Floats | None = None,
+    times: Floats | None = None,
     list_samples: bool = False,
     motor_torque: InputLike | None = None,
     command: InputLike | None = None,
@@ -119,7 +119,7 @@ def simulate(
     A result keeps every step, about a kilobyte each and two thousand of them per second of robot;
     a `Simulator` keeps none.
     """
-    t_end, times = span(t_end, times)
+    t_end, instants = span(t_end, times)
     if progress is not None and not callable(progress):
         raise TypeError(f"progress: expected a function of the time, got {progress!r}")
 
@@ -142,7 +142,7 @@ def simulate(
         _record=True,
     )
     core = simulator._compiled
-    asked = Experiment(simulator._setup, t_end, times, list_limits, enforce_limits, _scenario)
+    asked = Experiment(simulator._setup, t_end, instants, list_limits, enforce_limits, _scenario)
 
     def result(status: str = "completed") -> Result:
         free = result_of(asked, core, core.events(0), perf_counter() - began, status)
@@ -159,19 +159,20 @@ def simulate(
     return result()
 
 
-def span(t_end: float, times: Sequence[float] | None) -> tuple[float, np.ndarray | None]:
+def span(t_end: float, times: Floats | None) -> tuple[float, np.ndarray | None]:
     """Return the end of a run [s] and the instants to record, which lie before it."""
     t_end = number("t_end", t_end, "s")
     if t_end <= 0.0:
         raise ValueError(f"t_end: expected a time after the start at 0 s, got {t_end:g} s")
-    if times is not None:
-        times = np.atleast_1d(floats("times", times, "s")).ravel()
-        outside = (times < 0.0) | (times > t_end)
-        if outside.any():
-            raise ValueError(
-                f"times: expected instants from 0 to {t_end:g} s, got {times[outside][0]:g} s"
-            )
-    return t_end, times
+    if times is None:
+        return t_end, None
+    instants = np.atleast_1d(floats("times", times, "s")).ravel()
+    outside = (instants < 0.0) | (instants > t_end)
+    if outside.any():
+        raise ValueError(
+            f"times: expected instants from 0 to {t_end:g} s, got {instants[outside][0]:g} s"
+        )
+    return t_end, instants
 
 
 def set_up(
@@ -180,7 +181,7 @@ def set_up(
     *,
     rtol: float | None = None,
     method: Method | None = None,
-    start: str | Sequence[float] | None = None,
+    start: str | Floats | None = None,
     list_samples: bool = False,
     brakes: bool | Sequence[bool] = False,
     **given: InputLike | None,
@@ -196,17 +197,23 @@ def set_up(
     rtol = number("rtol", rtol, "1")
     if not 1e-14 <= rtol <= 1e-2:
         raise ValueError(f"rtol: expected a tolerance from 1e-14 to 1e-2, got {rtol:g}")
+    begin = _start(robot, start)
+    return Setup(inputs, held, braked(brakes, robot.n_axes), begin, method, rtol, list_samples)
+
+
+def _start(robot: Robot, start: str | Floats | None) -> str | np.ndarray:
+    """Return what rests on the reference, or a state vector that the robot can have."""
     if start is None:
-        start = _core.default_start(robot._compiled)
-    elif not isinstance(start, str):
-        start = numbers("start", start, "'rotor', 'arm' or a state vector")
-        if start.ndim != 1:
-            raise ValueError(
-                f"start: expected a state vector of {robot.n_states} values, "
-                f"got shape {start.shape}"
-            )
-        robot._compiled.check_state(start)
-    return Setup(inputs, held, braked(brakes, robot.n_axes), start, method, rtol, list_samples)
+        return _core.default_start(robot._compiled)
+    if isinstance(start, str):
+        return start
+    state = numbers("start", start, "'rotor', 'arm' or a state vector")
+    if state.ndim != 1:
+        raise ValueError(
+            f"start: expected a state vector of {robot.n_states} values, got shape {state.shape}"
+        )
+    robot._compiled.check_state(state)
+    return state
 
 
 def result_of(
@@ -269,7 +276,7 @@ class Simulator(Signals):
         *,
         rtol: float | None = None,
         method: Method | None = None,
-        start: str | Sequence[float] | None = None,
+        start: str | Floats | None = None,
         list_samples: bool = False,
         motor_torque: InputLike | None = None,
         command: InputLike | None = None,
@@ -365,7 +372,7 @@ class Simulator(Signals):
         return self._signal("motor_torque")
 
     @motor_torque.setter
-    def motor_torque(self, torque: Sequence[float]) -> None:
+    def motor_torque(self, torque: Floats) -> None:
         self._set_input_of_axes("motor_torque", torque)
 
     @property
@@ -378,7 +385,7 @@ class Simulator(Signals):
         return self._signal("command")
 
     @command.setter
-    def command(self, command: Sequence[float]) -> None:
+    def command(self, command: Floats) -> None:
         self._set_input_of_axes("command", command)
 
     @property
@@ -388,7 +395,7 @@ class Simulator(Signals):
         return np.array(function(self.time)) if function else self._compiled.tip_force
 
     @tip_force.setter
-    def tip_force(self, value: Sequence[float]) -> None:
+    def tip_force(self, value: Floats) -> None:
         if self.inputs.tip_force is not None:
             raise AttributeError("tip_force: it is a function of time and cannot be set")
         check_has_tip(self.robot)
@@ -407,7 +414,7 @@ class Simulator(Signals):
     def brakes(self, brakes: bool | Sequence[bool]) -> None:
         self._set(self._compiled.set_brakes, braked(brakes, self.robot.n_axes))
 
-    def _set_input_of_axes(self, name: str, values: Sequence[float]) -> None:
+    def _set_input_of_axes(self, name: str, values: Floats) -> None:
         expected, unit = input_of(self.robot) or ("", "")
         if name != expected:
             needed = {"motor_torque": "None", "command": "'external'"}[name]

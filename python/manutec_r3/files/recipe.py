@@ -8,12 +8,12 @@ import json
 from collections.abc import Mapping
 from dataclasses import fields
 from html import escape
-from typing import Any, NoReturn
+from typing import Any, NoReturn, cast
 
 import numpy as np
 
 from .. import _core
-from ..experiment import Experiment, Setup
+from ..experiment import Experiment, Method, Setup
 from ..inputs import Held, Input, Inputs, input_of
 from ..motion import Hold, Motion, Quintic, Sequence, Spline, Trapezoid
 from ..robot import Load, Robot
@@ -69,7 +69,7 @@ def read(text: str, scenario: str) -> Experiment:
             Held(*held),
             data["brakes"],
             start if isinstance(start, str) else np.array(start),
-            _core.Method[data["method"]].name,
+            cast(Method, _core.Method[data["method"]].name),
             data["rtol"],
             data["list_samples"],
         )
