@@ -57,6 +57,16 @@ def check() -> list[Check]:
     list of Check
         Accelerations and holding torques of the arm; peaks and events of the benchmark run, its
         balance of energy; signals and modes of friction of the Modelica variant.
+
+    Examples
+    --------
+    >>> checks = r3.check()
+    >>> checks[1].what
+    'torques that hold arm 2 of model 2 level with 15 kg [N m]'
+    >>> checks[1].source, checks[1].expected, checks[1].found
+    ('data of R3M2SI', '0.0 -746.7 -263.7', '0.0 -746.7 -263.7')
+    >>> all(one.passed for one in checks)
+    True
     """
     figure9 = _reference("figure9_quintic")
     one_axis = _reference("one_axis")

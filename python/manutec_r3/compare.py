@@ -239,6 +239,15 @@ def compare(
     sequence differs, or if the reference has none but jumps, further than the tube is wide.
 
     A range below 1e-3 in SI units counts as that: what moves less is at rest.
+
+    Examples
+    --------
+    >>> scenario = r3.Scenario.load("figure9")
+    >>> comparison = r3.compare(scenario.run(), scenario.run(method="exponential"))
+    >>> comparison.agrees, comparison.events.same_sequence
+    (True, True)
+    >>> comparison.curve("motor_torque", axis=2).relative_deviation < 1e-6
+    True
     """
     if not isinstance(result, Result):
         raise TypeError(f"result: expected a Result, got {result!r}")

@@ -89,6 +89,13 @@ def compare_events(
     ------
     TypeError, ValueError
         What was wrong, what was expected, what arrived.
+
+    Examples
+    --------
+    >>> scenario = r3.Scenario.load("figure9")
+    >>> compared = r3.compare_events(scenario.run().events, scenario.run(rtol=1e-10).events)
+    >>> compared.same_sequence, compared.largest_time_difference < 1e-6
+    (True, True)
     """
     for name, value in {"events": events, "reference": reference}.items():
         if not isinstance(value, Events):

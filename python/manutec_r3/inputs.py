@@ -31,6 +31,16 @@ class Input:
     ------
     ValueError, TypeError
         What was wrong, what was expected, what arrived.
+
+    Examples
+    --------
+    A torque on axis 1 until 0.5 s:
+
+    >>> torque = r3.Input(lambda t: [5.0 * (t < 0.5), 0.0, 0.0], knots=[0.5])
+    >>> robot = r3.Robot(model=2, controller=None)
+    >>> result = r3.simulate(robot, None, t_end=1.0, motor_torque=torque)
+    >>> result.at([0.4, 0.5]).motor_torque[:, 0]
+    array([5., 0.])
     """
 
     function: Callable[[float], Floats]

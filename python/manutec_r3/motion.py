@@ -121,6 +121,16 @@ class Quintic(Motion):
     ------
     ValueError, TypeError
         What was wrong (argument, axis, unit), what was expected, what arrived.
+
+    Examples
+    --------
+    >>> motion = r3.Quintic(start=[0.0, 0.0, 0.0], end=[1.0, 0.5, -0.5], duration=1.2)
+    >>> motion.angle([0.0, 0.6, 1.2])
+    array([[ 0.  ,  0.  ,  0.  ],
+           [ 0.5 ,  0.25, -0.25],
+           [ 1.  ,  0.5 , -0.5 ]])
+    >>> motion.knots
+    array([0. , 1.2])
     """
 
     start: tuple[float, ...]
@@ -159,6 +169,14 @@ class Trapezoid(Motion):
     ------
     ValueError, TypeError
         What was wrong (argument, axis, unit), what was expected, what arrived.
+
+    Examples
+    --------
+    >>> motion = r3.Trapezoid(start=[0] * 3, end=[1, 0.5, 0], rate=[2] * 3, acceleration=[10] * 3)
+    >>> round(motion.duration, 12)
+    0.7
+    >>> motion.rate(motion.duration / 2).round(12)
+    array([2., 1., 0.])
     """
 
     start: tuple[float, ...]
@@ -214,6 +232,12 @@ class Spline(Motion):
     ------
     ValueError, TypeError
         What was wrong (argument, axis, unit), what was expected, what arrived.
+
+    Examples
+    --------
+    >>> motion = r3.Spline(times=[0.0, 1.0, 2.0], angles=[[0.0] * 3, [1.0] * 3, [0.5] * 3])
+    >>> motion.angle(1.0), motion.rate(2.0)
+    (array([1., 1., 1.]), array([0., 0., 0.]))
     """
 
     times: tuple[float, ...]
@@ -254,6 +278,11 @@ class Hold(Motion):
     ------
     ValueError, TypeError
         What was wrong (argument, axis, unit), what was expected, what arrived.
+
+    Examples
+    --------
+    >>> r3.Hold([0.3, -0.5, 0.8, 0.0, 0.0, 0.0]).angle(10.0)
+    array([ 0.3, -0.5,  0.8,  0. ,  0. ,  0. ])
     """
 
     angles: tuple[float, ...]
@@ -287,6 +316,15 @@ class Sequence(Motion):
     ------
     ValueError, TypeError
         What was wrong: which motion, axis and instant, what was expected, what arrived.
+
+    Examples
+    --------
+    >>> there = r3.Quintic(start=[0.0] * 6, end=[1.0] * 6, duration=1.0)
+    >>> waiting = r3.Hold(there.end, duration=0.5)
+    >>> back = r3.Quintic(start=there.end, end=there.start, duration=1.5)
+    >>> motion = r3.Sequence([there, waiting, back])
+    >>> motion.duration, motion.knots
+    (3.0, array([0. , 1. , 1.5, 3. ]))
     """
 
     motions: tuple[Motion, ...]
@@ -351,6 +389,16 @@ class FunctionMotion(Motion):
     -----
     What a function raises comes out of `simulate`, `Simulator.step` or whatever else has asked it.
     The motion is picklable if its functions are, equal to another if they are.
+
+    Examples
+    --------
+    >>> def angle(t):
+    ...     return [0.1 * (1.0 - np.cos(2.0 * t)), 0.0, 0.0]
+    >>> def rate(t):
+    ...     return [0.2 * np.sin(2.0 * t), 0.0, 0.0]
+    >>> motion = r3.FunctionMotion(angle, rate, duration=np.pi)
+    >>> motion.angle(np.pi / 2)
+    array([0.2, 0. , 0. ])
     """
 
     angle_function: _Function

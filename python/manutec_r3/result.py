@@ -311,6 +311,12 @@ class Result(Samples):
         ------
         ValueError
             If an instant lies outside the run.
+
+        Examples
+        --------
+        >>> result = r3.Scenario.load("figure9").run()
+        >>> result.at(0.6).joint_angle.round(3)
+        array([[ 0.496,  0.499,  0.302, -0.099, -0.073, -0.05 ]])
         """
         t = np.atleast_1d(floats("times", times, "s"))
         outside = (t < 0.0) | (t > self.t_end)
@@ -360,6 +366,14 @@ class Result(Samples):
             Without the extra ``files``, for NetCDF4.
         OSError
             If the file cannot be written.
+
+        Examples
+        --------
+        >>> result = r3.Scenario.load("figure9").run()
+        >>> result.save("run.npz")
+        >>> same = r3.Result.load("run.npz")
+        >>> np.array_equal(same.motor_torque, result.motor_torque), same.events == result.events
+        (True, True)
         """
         files.save(path, self)
 
@@ -379,6 +393,12 @@ class Result(Samples):
             Without the extra ``files``, for NetCDF4.
         OSError
             If the file cannot be read.
+
+        Examples
+        --------
+        >>> r3.Scenario.load("one-axis").run().save("axis.npz")
+        >>> r3.Result.load("axis.npz").status
+        'completed'
         """
         return files.load(path)
 

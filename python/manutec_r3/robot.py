@@ -44,6 +44,14 @@ class Load:
     ------
     ValueError, TypeError
         What was wrong (argument, unit), what was expected, what arrived.
+
+    Examples
+    --------
+    >>> r3.Load(15.0)
+    Load(mass=15.0, position=(0.0, 0.0, 0.25), bounds=True)
+    >>> r3.Load(20.0)
+    Traceback (most recent call last):
+    ValueError: load.mass: expected 0 to 15 kg, got 20 kg
     """
 
     mass: float
@@ -125,6 +133,21 @@ class Robot:
     ------
     ValueError, TypeError
         What was wrong, what was expected, what arrived: argument, or table, symbol and axis.
+
+    Examples
+    --------
+    >>> robot = r3.Robot(model=3, load=r3.Load(mass=15.0), controller="sampled")
+    >>> robot.n_axes, robot.n_states, robot.n_indicators
+    (6, 66, 42)
+    >>> robot.state_names[0], robot.state_units[0], robot.indicator_names[0]
+    ('joint_angle[1]', 'rad', 'dead_zone_upper[1]')
+
+    Other numbers than those of the tables, and the arm alone:
+
+    >>> robot.replace(table_2={"b": {2: 0.05}}).parameters["table_2"]["b"][1]
+    0.05
+    >>> r3.Robot(model=2).inverse_dynamics([0.0, 0.5, 0.0], np.zeros(3), np.zeros(3)).round(1)
+    array([   0. , -253.6,  -57.3])
     """
 
     model: int | str = 3

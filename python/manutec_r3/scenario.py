@@ -67,6 +67,22 @@ class Scenario:
     Notes
     -----
     It cannot be changed, and may be hashed, pickled and compared.
+
+    Examples
+    --------
+    >>> scenario = r3.Scenario.load("figure9")
+    >>> scenario.robot.load.mass, scenario.motion.duration, scenario.t_end
+    (15.0, 1.2, 1.5)
+    >>> result = scenario.run(rtol=1e-8)
+    >>> result.status
+    'completed'
+
+    One of one's own, written to a file:
+
+    >>> lighter = scenario.replace(robot=scenario.robot.replace(load=r3.Load(5.0)))
+    >>> lighter.save("lighter.toml")
+    >>> r3.Scenario.load("lighter.toml") == lighter
+    True
     """
 
     name: str = field(compare=False)

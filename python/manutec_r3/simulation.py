@@ -118,6 +118,28 @@ def simulate(
     -----
     A result keeps every step, about a kilobyte each and two thousand of them per second of robot;
     a `Simulator` keeps none.
+
+    Examples
+    --------
+    >>> robot = r3.Robot(model=3, load=r3.Load(mass=15.0))
+    >>> motion = r3.Quintic(start=[0] * 6, end=[1.0, 1.0, 0.6, -0.2, -0.15, -0.1], duration=1.2)
+    >>> result = r3.simulate(robot, motion, t_end=1.5)
+    >>> abs(result.motor_torque).max(axis=0).round(2)  # [N m], motor side
+    array([2.81, 5.43, 7.04, 0.28, 1.2 , 0.17])
+    >>> len(result.events)
+    60
+
+    Recorded at some instants, besides the events:
+
+    >>> r3.simulate(robot, motion, t_end=1.5, times=[0.5, 1.0]).joint_angle.shape
+    (122, 6)
+
+    Without controllers motor torques are inputs, here a function of time:
+
+    >>> free = r3.Robot(model=2, controller=None)
+    >>> swinging = r3.simulate(free, None, t_end=0.1, motor_torque=lambda t: [np.sin(t), 0, 0])
+    >>> swinging.motor_torque[-1].round(4)
+    array([0.0998, 0.    , 0.    ])
     """
     t_end, instants = span(t_end, times)
     if progress is not None and not callable(progress):
@@ -265,6 +287,27 @@ class Simulator(Signals):
     rtol, method, start, list_samples, motor_torque, command, tip_force, brakes
         As in `simulate`. Branches are decided from the start by physics. Samples that are not
         listed do not end `step_to_event`.
+
+    Examples
+    --------
+    >>> motion = r3.Quintic(start=[0] * 6, end=[0.5] * 6, duration=1.0)
+    >>> simulator = r3.Simulator(r3.Robot(model=3), motion)
+    >>> event = simulator.step_to_event()
+    >>> event.element, event.axis, event.time == simulator.time
+    ('dead_zone', 4, True)
+    >>> simulator.branches["friction"]
+    array([0, 0, 0, 0, 0, 0], dtype=int8)
+    >>> events = simulator.step(0.1)
+    >>> simulator.joint_angle.shape
+    (6,)
+
+    A controller of one's own, every 8 ms:
+
+    >>> robot = r3.Robot(model=3, controller="external")
+    >>> simulator = r3.Simulator(robot, motion)
+    >>> while simulator.time < 0.08:
+    ...     simulator.command = 30.0 * simulator.control_error  # [V]
+    ...     events = simulator.step(8e-3)
     """
 
     __slots__ = ("_compiled", "_setup", "_untold", "inputs", "method", "rtol")
