@@ -1,5 +1,7 @@
 """Many runs at once: on all processors of a machine, or on those of a cluster."""
 
+from __future__ import annotations  # help() shows short names of types
+
 import os
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -45,7 +47,7 @@ class Results(Sequence[Any]):
     work was stopped before.
     """
 
-    def __init__(self, entries: Iterable["Outcome | Finished | None"]) -> None:
+    def __init__(self, entries: Iterable[Outcome | Finished | None]) -> None:
         self._entries = list(entries)
 
     def __len__(self) -> int:
@@ -144,7 +146,7 @@ class _Options(TypedDict, total=False):
     record: Record
     workers: int | None
     progress: Callable[[int], None] | None
-    client: "Client | None"
+    client: Client | None
 
 
 @overload
@@ -156,7 +158,7 @@ def simulate_many(
     runs: _Runs, t_end: float | None = None, *, to_parquet: str | Path, **options: Unpack[_Options]
 ) -> Path: ...
 def simulate_many(
-    runs: _Runs,
+    runs: Iterable[tuple[Robot, Motion | None] | Scenario],
     t_end: float | None = None,
     *,
     rtol: float | None = None,
@@ -171,7 +173,7 @@ def simulate_many(
     record: Record = "all",
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
-    client: "Client | None" = None,
+    client: Client | None = None,
     to_parquet: str | Path | None = None,
 ) -> Results | Path:
     """Simulate many robots, each with its motion, on all processors.

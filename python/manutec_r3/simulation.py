@@ -1,5 +1,7 @@
 """Simulating: a whole run, or step by step. Both are the same loop."""
 
+from __future__ import annotations  # help() shows short names of types
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from time import perf_counter
@@ -554,7 +556,7 @@ class Simulator(Signals):
 
     # --- saving ---------------------------------------------------------------------------------
 
-    def save(self) -> "SavedState":
+    def save(self) -> SavedState:
         """Return everything that the future depends on; give it to `restore`."""
         return SavedState(
             self.time,
@@ -563,7 +565,7 @@ class Simulator(Signals):
             tuple(self._untold),
         )
 
-    def restore(self, saved: "SavedState") -> None:
+    def restore(self, saved: SavedState) -> None:
         """Go back to where `save` was called, on this simulator or one like it.
 
         What follows is bit-identical to what followed then, but for ``"bdf"``, which restarts at
