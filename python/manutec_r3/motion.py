@@ -64,11 +64,23 @@ class Motion(ABC):
         return self._evaluate(t, lambda t: self._compiled.reference(t)[0])
 
     def rate(self, t: float | Floats) -> np.ndarray:
-        """Joint rates at time(s) `t` [s]: an array (..., n_axes) [rad/s]."""
+        """Joint rates at time(s) `t` [s].
+
+        Returns
+        -------
+        ndarray (..., n_axes)
+            Rates [rad/s], for `t` of shape (...).
+        """
         return self._evaluate(t, lambda t: self._compiled.reference(t)[1])
 
     def acceleration(self, t: float | Floats) -> np.ndarray:
-        """Joint accelerations at time(s) `t` [s]: an array (..., n_axes) [rad/s^2]."""
+        """Joint accelerations at time(s) `t` [s].
+
+        Returns
+        -------
+        ndarray (..., n_axes)
+            Accelerations [rad/s^2], for `t` of shape (...).
+        """
         return self._evaluate(t, self._compiled.acceleration)
 
     def _repr_html_(self) -> str:
@@ -164,6 +176,11 @@ class Trapezoid(Motion):
         Largest joint rates [rad/s], positive.
     acceleration : sequence of floats
         Largest joint accelerations [rad/s^2], positive.
+
+    Attributes
+    ----------
+    rate_limit, acceleration_limit : tuple of float
+        The last two arguments.
 
     Raises
     ------
@@ -378,6 +395,11 @@ class FunctionMotion(Motion):
     acceleration : callable, optional
         Joint accelerations [rad/s^2], the derivative of `rate`. Default: from differences of
         `rate` over 1e-5 s. Simulations do not need it.
+
+    Attributes
+    ----------
+    angle_function, rate_function, inner_knots, acceleration_function
+        The arguments without the duration.
 
     Raises
     ------

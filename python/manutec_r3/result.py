@@ -337,6 +337,10 @@ class Result(Samples):
             Arguments of `simulate` that take the place of those of this run; all others stay as
             they were, `rtol` and `method` included.
 
+        Returns
+        -------
+        Result
+
         Raises
         ------
         ValueError, TypeError, SimulationError

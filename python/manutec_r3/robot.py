@@ -448,7 +448,18 @@ class Robot:
         )
 
     def mass_matrix(self, q: PerAxis) -> np.ndarray:
-        """Mass matrix (..., n_axes, n_axes) [kg m^2], rotors included, for angles `q` [rad]."""
+        """Mass matrix of the arm with ideal gears, rotors included (spec section 6).
+
+        Parameters
+        ----------
+        q : array_like (..., n_axes)
+            Angles [rad].
+
+        Returns
+        -------
+        ndarray (..., n_axes, n_axes)
+            Inertias at the joints [kg m^2].
+        """
         angles = per_axis("q", q, "rad", self.n_axes)
         matrices = _core.mass_matrix(self._compiled, angles.reshape(-1, self.n_axes))
         return matrices.reshape(*angles.shape, self.n_axes)
@@ -474,7 +485,18 @@ class Robot:
         )
 
     def load_position(self, q: PerAxis) -> np.ndarray:
-        """Position (..., 3) of the load in the world [m] for angles `q` (..., n_axes) [rad]."""
+        """Where the load is in the world.
+
+        Parameters
+        ----------
+        q : array_like (..., n_axes)
+            Angles [rad].
+
+        Returns
+        -------
+        ndarray (..., 3)
+            Positions [m].
+        """
         arm_6 = self.link_poses(q)[..., 6, :, :]
         return arm_6[..., :3, :3] @ np.array(self.load.position) + arm_6[..., :3, 3]
 

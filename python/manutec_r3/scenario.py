@@ -25,7 +25,7 @@ _ALIASES = {"figure9": "figure9-quintic"}
 
 
 def scenarios() -> list[str]:
-    """Names of the scenarios that come with the package."""
+    """Return the names of the scenarios that come with the package."""
     names = [file.name.removesuffix(".toml") for file in _FOLDER.iterdir()]
     return sorted([*names, *_ALIASES])
 
@@ -182,6 +182,15 @@ class Scenario:
         **overrides
             Arguments of `simulate` that take the place of the scenario's own, such as ``rtol``,
             or that it does not have, such as ``times``.
+
+        Returns
+        -------
+        Result
+
+        Raises
+        ------
+        ValueError, TypeError, SimulationError
+            As `simulate`.
         """
         arguments = {"t_end": self.t_end} | self._arguments | dict(self.record) | overrides
         try:
