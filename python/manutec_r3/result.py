@@ -398,6 +398,10 @@ class Result(Samples):
         path : str or Path
             The file, ``.nc`` or ``.npz``.
 
+        Returns
+        -------
+        Result
+
         Raises
         ------
         ValueError
@@ -431,6 +435,11 @@ class Result(Samples):
         rate, magnify
             Frames per second, and how many times the control error is shown; see
             `manutec_r3.animation.Animation`.
+
+        Returns
+        -------
+        Animation
+            Jupyter shows it; its method ``save`` writes the page.
 
         Raises
         ------

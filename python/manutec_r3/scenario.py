@@ -114,6 +114,10 @@ class Scenario:
         name_or_path : str or Path
             One of `scenarios()`, or a path that ends in ``.toml``.
 
+        Returns
+        -------
+        Scenario
+
         Raises
         ------
         ValueError

@@ -92,8 +92,8 @@ def result_of(source: str, **overrides: Any) -> Result:
         except (ImportError, OSError, ValueError) as error:
             fail(error)
     result, end = simulate(scenario_of(source), **overrides)
-    if end is not None and result is None:
-        fail(end, ANSWER_IS_NO)
+    if result is None:
+        fail(str(end), ANSWER_IS_NO)
     return result
 
 
