@@ -39,3 +39,21 @@ def test_the_docstring_names_every_argument(name, thing):
     for argument in inspect.signature(thing).parameters:
         if argument != "self" and not argument.startswith("_"):
             assert re.search(rf"\b{argument}\b", text), f"{name}: {argument}"
+
+
+@every_name
+def test_the_docstring_says_what_is_returned(name, thing):
+    if inspect.isclass(thing):
+        return
+    returned = inspect.get_annotations(thing, eval_str=False).get("return")
+    if returned not in (None, "None"):
+        assert re.search(r"\bReturns?\b", inspect.getdoc(thing)), name
+
+
+@every_name
+def test_the_docstring_of_a_class_names_every_field(name, thing):
+    if not inspect.isclass(thing):
+        return
+    text = " ".join(base.__doc__ or "" for base in thing.__mro__[:-1])
+    for field in (*getattr(thing, "_fields", ()), *getattr(thing, "__dataclass_fields__", ())):
+        assert field == "_" or re.search(rf"\b{field}\b", text), f"{name}: {field}"

@@ -9,7 +9,8 @@ A `Robot` that follows a motion is simulated by `simulate`, or step by step by a
     motion = r3.Quintic(start=[0] * 6, end=[1.0, 1.0, 0.6, -0.2, -0.15, -0.1], duration=1.2)
     result = r3.simulate(robot, motion, t_end=1.5)
 
-All quantities are in SI units; axes are counted from 1.
+All quantities are in SI units; axes are counted from 1. Examples in docstrings take for granted
+`import numpy as np` and `import manutec_r3 as r3`.
 """
 
 from . import plot

@@ -1,11 +1,12 @@
 """What an error of a run is: how far its signals are off, in parts of each axis' range."""
 
 from collections.abc import Iterable, Sequence
+from typing import Protocol
 
 import numpy as np
 
 from .events import Event
-from .result import Result, Samples
+from .result import Result
 
 # What a tolerance promises, with the same events: errors of these signals below `PROMISED`.
 JUDGED = ("control_error", "motor_torque")
@@ -30,14 +31,22 @@ def inside_steps(result: Result) -> np.ndarray:
     return np.append((begin + length * [0.0, 0.21, 0.5, 0.83]).ravel(), steps[-1])
 
 
+class Recorded(Protocol):
+    """Signals at some instants, each an attribute (n, n_axes)."""
+
+    @property
+    def time(self) -> np.ndarray:
+        """The instants (n,) [s]."""
+
+
 def largest_errors(
-    got: Samples, exact: Result, signals: Sequence[str] = JUDGED
+    got: Recorded, exact: Result, signals: Sequence[str] = JUDGED
 ) -> dict[str, float]:
     """Largest error of each signal over all axes, in parts of the range of its axis.
 
     Parameters
     ----------
-    got : Samples
+    got : Samples or alike
         Signals of a run at some instants.
     exact : Result
         The same run at a far tighter tolerance.
@@ -56,4 +65,4 @@ def largest_errors(
 
 def sequence(events: Iterable[Event]) -> list[tuple[int, str, int, int]]:
     """Events without their times: (axis, element, before, after)."""
-    return [tuple(event)[1:] for event in events]
+    return [event[1:] for event in events]

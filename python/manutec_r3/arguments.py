@@ -1,11 +1,15 @@
 """At the door: what users pass becomes arrays of floats, or a clear error."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from math import isfinite
 from typing import Any
 
 import numpy as np
+
+# What users may pass for numbers: one for each axis or instant; rows of one for each axis.
+Floats = Sequence[float] | np.ndarray
+PerAxis = Floats | Sequence[Floats]
 
 
 def numbers(name: str, value: Any, expected: str) -> np.ndarray:

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .arguments import Floats
 from .compare import curve_of
 from .result import Result, Samples
 from .robot import Load, Robot
@@ -56,6 +57,16 @@ def check() -> list[Check]:
     list of Check
         Accelerations and holding torques of the arm; peaks and events of the benchmark run, its
         balance of energy; signals and modes of friction of the Modelica variant.
+
+    Examples
+    --------
+    >>> checks = r3.check()
+    >>> checks[1].what
+    'torques that hold arm 2 of model 2 level with 15 kg [N m]'
+    >>> checks[1].source, checks[1].expected, checks[1].found
+    ('data of R3M2SI', '0.0 -746.7 -263.7', '0.0 -746.7 -263.7')
+    >>> all(one.passed for one in checks)
+    True
     """
     figure9 = _reference("figure9_quintic")
     one_axis = _reference("one_axis")
@@ -117,8 +128,8 @@ def _holding_torques(reference: Mapping[str, Any]) -> Check:
 def _printed(
     what: str,
     source: str,
-    expected: Sequence[float],
-    found: Sequence[float],
+    expected: Floats,
+    found: Floats,
     digits: int,
 ) -> Check:
     """Compare values with printed ones: they may differ by half of the last digit."""
@@ -132,7 +143,7 @@ def _printed(
     )
 
 
-def _list(values: Sequence[float], digits: int) -> str:
+def _list(values: Floats, digits: int) -> str:
     # Adding zero makes a zero of either sign a positive one.
     return " ".join(f"{np.round(value, digits) + 0.0:.{digits}f}" for value in values)
 
@@ -261,7 +272,7 @@ def _one_axis(run: Result, reference: Mapping[str, Any]) -> Check:
     for name, (lowest, highest) in reference["range"].items():
         found = _quantity(now, run.robot, name)
         errors[name] = float(np.abs(found - published[name]).max() / (highest - lowest))
-    worst = max(errors, key=errors.get)
+    worst = max(errors, key=errors.__getitem__)
     return Check(
         f"{len(errors)} signals of {reference['scenario']} at {len(now)} instants",
         "Modelica Association, OneAxis",

@@ -189,7 +189,7 @@ def _line(curves: list[CurveComparison]) -> str:
             f"{worst.deviation:.1e} {worst.unit:7} {worst.relative_deviation:7.1e} of the range, "
             f"axis {worst.axis} at {worst.instant:.6g} s"
         )
-    left = {curve.axis: curve.leaves_at for curve in curves if not curve.agrees}
+    left = {curve.axis: at for curve in curves if (at := curve.leaves_at) is not None}
     if left:
         axes = ", ".join(map(str, left))
         line += f"; outside: axis {axes} from {min(left.values()):.6g} s"
@@ -245,6 +245,15 @@ def compare(
     sequence differs, or if the reference has none but jumps, further than the tube is wide.
 
     A range below 1e-3 in SI units counts as that: what moves less is at rest.
+
+    Examples
+    --------
+    >>> scenario = r3.Scenario.load("figure9")
+    >>> comparison = r3.compare(scenario.run(), scenario.run(method="exponential"))
+    >>> comparison.agrees, comparison.events.same_sequence
+    (True, True)
+    >>> comparison.curve("motor_torque", axis=2).relative_deviation < 1e-6
+    True
     """
     if not isinstance(result, Result):
         raise TypeError(f"result: expected a Result, got {result!r}")

@@ -49,7 +49,8 @@ class EventComparison:
     @property
     def largest_time_difference(self) -> float:
         """How far apart the instants of a pair are at most [s]."""
-        return _apart(self.furthest) if self.pairs else 0.0
+        furthest = self.furthest
+        return _apart(furthest) if furthest else 0.0
 
     def __str__(self) -> str:
         if self.first_difference:
@@ -61,7 +62,7 @@ class EventComparison:
             said = f"the same {len(self.pairs)}"
         else:
             return "none in either"
-        if self.largest_time_difference > 0.0:
+        if self.furthest and self.largest_time_difference > 0.0:
             said += f", at most {self.largest_time_difference:.2g} s apart"
             said += f" ({_words(self.furthest[0])})"
         return said
@@ -88,6 +89,13 @@ def compare_events(
     ------
     TypeError, ValueError
         What was wrong, what was expected, what arrived.
+
+    Examples
+    --------
+    >>> scenario = r3.Scenario.load("figure9")
+    >>> compared = r3.compare_events(scenario.run().events, scenario.run(rtol=1e-10).events)
+    >>> compared.same_sequence, compared.largest_time_difference < 1e-6
+    (True, True)
     """
     for name, value in {"events": events, "reference": reference}.items():
         if not isinstance(value, Events):
@@ -100,8 +108,9 @@ def compare_events(
     pairs = _common_beginning(ours, theirs, roundoff)
     ours, theirs = (_ordered(rest[len(pairs) :], roundoff) for rest in (ours, theirs))
     extra, missing = [], []
-    keys = [list(map(_key, rest)) for rest in (ours, theirs)]
-    for tag, i, i_end, j, j_end in SequenceMatcher(None, *keys, autojunk=False).get_opcodes():
+    keys, their_keys = (list(map(_key, rest)) for rest in (ours, theirs))
+    matcher = SequenceMatcher(None, keys, their_keys, autojunk=False)
+    for tag, i, i_end, j, j_end in matcher.get_opcodes():
         if tag == "equal":
             pairs += zip(ours[i:i_end], theirs[j:j_end], strict=True)
         else:
@@ -127,7 +136,7 @@ def _common_beginning(
     n = min(len(ours), len(theirs))
     apart = (_gaps(ours[:n]) > roundoff) & (_gaps(theirs[:n]) > roundoff)
     begins = [0, *(1 + np.flatnonzero(apart)), n]
-    pairs = []
+    pairs: list[tuple[Event, Event]] = []
     for begin, end in pairwise(begins):
         a, b = (sorted(events[begin:end], key=_key) for events in (ours, theirs))
         if list(map(_key, a)) != list(map(_key, b)):

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, SupportsIndex, overload
 
 import numpy as np
 
@@ -63,7 +63,11 @@ class Events:
     def __iter__(self) -> Iterator[Event]:
         return iter(self._rows)
 
-    def __getitem__(self, index: int) -> Event:
+    @overload
+    def __getitem__(self, index: SupportsIndex) -> Event: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Event, ...]: ...
+    def __getitem__(self, index: SupportsIndex | slice) -> Event | tuple[Event, ...]:
         return self._rows[index]
 
     def __eq__(self, other: object) -> bool:

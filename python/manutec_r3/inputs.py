@@ -1,14 +1,14 @@
 """What acts on a robot from outside: its motion, and torques, commands and forces."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from . import _core
-from .arguments import floats, numbers, per_axis
+from .arguments import Floats, floats, numbers, per_axis
 from .motion import Motion
 from .robot import Robot
 
@@ -31,20 +31,31 @@ class Input:
     ------
     ValueError, TypeError
         What was wrong, what was expected, what arrived.
+
+    Examples
+    --------
+    A torque on axis 1 until 0.5 s:
+
+    >>> torque = r3.Input(lambda t: [5.0 * (t < 0.5), 0.0, 0.0], knots=[0.5])
+    >>> robot = r3.Robot(model=2, controller=None)
+    >>> result = r3.simulate(robot, None, t_end=1.0, motor_torque=torque)
+    >>> result.at([0.4, 0.5]).motor_torque[:, 0]
+    array([5., 0.])
     """
 
-    function: Callable[[float], Sequence[float]]
-    knots: tuple[float, ...] = ()
+    function: Callable[[float], Floats]
+    knots: tuple[float, ...]
 
-    def __post_init__(self) -> None:
-        if not callable(self.function):
-            raise TypeError(f"function: expected a function of the time, got {self.function!r}")
-        knots = floats("knots", self.knots, "s")
-        if knots.ndim != 1 or (np.diff(knots) <= 0.0).any():
-            raise ValueError(f"knots: expected instants [s] that ascend, got {self.knots!r}")
-        object.__setattr__(self, "knots", tuple(knots.tolist()))
+    def __init__(self, function: Callable[[float], Floats], knots: Floats = ()) -> None:
+        if not callable(function):
+            raise TypeError(f"function: expected a function of the time, got {function!r}")
+        instants = floats("knots", knots, "s")
+        if instants.ndim != 1 or (np.diff(instants) <= 0.0).any():
+            raise ValueError(f"knots: expected instants [s] that ascend, got {knots!r}")
+        object.__setattr__(self, "function", function)
+        object.__setattr__(self, "knots", tuple(instants.tolist()))
 
-    def __call__(self, t: float) -> Sequence[float]:
+    def __call__(self, t: float) -> Floats:
         """Values at `t` [s]."""
         return self.function(t)
 
@@ -100,8 +111,8 @@ class Inputs:
         name, unit = input_of(self.robot) or ("", "")
         return _core.Inputs(
             self.robot._core_motion(self.motion),
-            self.of_axes and self.of_axes._core(name, unit, self.robot.n_axes),
-            self.tip_force and self.tip_force._core("tip_force", "N", 3),
+            None if self.of_axes is None else self.of_axes._core(name, unit, self.robot.n_axes),
+            None if self.tip_force is None else self.tip_force._core("tip_force", "N", 3),
         )
 
     def __getstate__(self) -> dict:
@@ -116,7 +127,7 @@ def input_of(robot: Robot) -> tuple[str, str] | None:
 def gather(
     robot: Robot,
     motion: Motion | None,
-    given: dict[str, object],
+    given: Mapping[str, Any],
 ) -> tuple[Inputs, Held]:
     """Return what is a function of time, and what is held.
 
@@ -147,23 +158,25 @@ def gather(
             )
     if given.get("tip_force") is not None:
         check_has_tip(robot)
-    functions, held = [], []
+    functions: list[Input | None] = []
+    held: list[np.ndarray | None] = []
     for which in (name, "tip_force"):
         value = given.get(which)
         if callable(value) and not isinstance(value, Input):
             value = Input(value)
-        is_function = isinstance(value, Input)
-        functions.append(value if is_function else None)
-        if value is None or is_function:
+        if value is None or isinstance(value, Input):
+            functions.append(value)
             held.append(None)
-        elif which == "tip_force":
+            continue
+        functions.append(None)
+        if which == "tip_force":
             held.append(force(value))
         else:
             held.append(one_per_axis(which, value, unit, robot.n_axes))
     return Inputs(robot, motion, *functions), Held(*held)
 
 
-def one_per_axis(name: str, value: Sequence[float], unit: str, n_axes: int) -> np.ndarray:
+def one_per_axis(name: str, value: Floats, unit: str, n_axes: int) -> np.ndarray:
     """Return an array (n_axes,)."""
     array = per_axis(name, value, unit, n_axes)
     if array.ndim != 1:
@@ -177,7 +190,7 @@ def check_has_tip(robot: Robot) -> None:
         raise ValueError(f"tip_force: expected none for model {robot.model}, which has no tip")
 
 
-def force(value: Sequence[float]) -> np.ndarray:
+def force(value: Floats) -> np.ndarray:
     """Return a force on the tip, an array (3,) [N]."""
     array = floats("tip_force", value, "N")
     if array.shape != (3,):

@@ -160,7 +160,7 @@ class _Steps:
         def inside(time: np.ndarray, step: np.ndarray) -> np.ndarray:
             return getattr(self._samples(time, step), signal)
 
-        return self._beyond(signal, limit, self.at_nodes[signal], inside)
+        return self._beyond(signal, np.array(limit), self.at_nodes[signal], inside)
 
     def beyond_nominal_torque(self, nominal: Sequence[float]) -> list[LimitExcess]:
         """Find where the root mean square of the motor torque is beyond its limits.
@@ -206,11 +206,11 @@ class _Steps:
         return found
 
     def _beyond(
-        self, what: str, limit: Sequence[float], at_nodes: np.ndarray, inside: "Inside"
+        self, what: str, limits: np.ndarray, at_nodes: np.ndarray, inside: "Inside"
     ) -> list[LimitExcess]:
         """Find where a quantity, which is smooth in each step, is beyond its limits."""
         n_axes = at_nodes.shape[-1]
-        limit = np.array(limit[:n_axes])
+        limit = limits[:n_axes]
         turning_time, turning_step, turning_axis = self._turning_points(at_nodes, _NEAR * limit)
         turning = inside(turning_time, turning_step)[np.arange(len(turning_axis)), turning_axis]
         found = []

@@ -1,13 +1,25 @@
 """Many runs at once: on all processors of a machine, or on those of a cluster."""
 
+from __future__ import annotations  # help() shows short names of types
+
 import os
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    NamedTuple,
+    SupportsIndex,
+    TypedDict,
+    Unpack,
+    get_args,
+    overload,
+)
 
 import numpy as np
 
 from . import _core
+from .arguments import Floats
 from .errors import SimulationError
 from .events import Event, Events
 from .experiment import Experiment, Method
@@ -25,7 +37,7 @@ if TYPE_CHECKING:
 Outcome = Result | EventRecord | FinalRecord | PeakRecord | Exception
 
 
-class Results(Sequence):
+class Results(Sequence[Any]):
     """What came of many runs, in their order.
 
     An entry is what `simulate_many` was asked to record of a run: a `Result`, `EventRecord`,
@@ -35,13 +47,13 @@ class Results(Sequence):
     work was stopped before.
     """
 
-    def __init__(self, entries: Iterable["Outcome | Finished | None"]) -> None:
+    def __init__(self, entries: Iterable[Outcome | Finished | None]) -> None:
         self._entries = list(entries)
 
     def __len__(self) -> int:
         return len(self._entries)
 
-    def __getitem__(self, index: int | slice) -> Any:
+    def __getitem__(self, index: SupportsIndex | slice) -> Any:
         if isinstance(index, slice):
             return Results(self._entries[index])
         entry = self._entries[index]
@@ -89,12 +101,12 @@ class Finished(NamedTuple):
         except _core.SimulationFailure as failure:
             branches = self._branches() if core.began else {}
             error = SimulationError(core.time, core.state, branches, str(failure))
-        except Exception as error:
-            return error
+        except Exception as raised:
+            return raised
         else:
             return self._kept("completed")
         if core.began:
-            error.result = self._kept(error.status)
+            error.result = self._kept(error.status)  # type: ignore[assignment] # or a record
         return error
 
     def _branches(self) -> dict[str, np.ndarray]:
@@ -116,14 +128,43 @@ class Finished(NamedTuple):
         return PeakRecord(*of_run, status, core.signals)
 
 
+_Runs = Iterable[tuple[Robot, Motion | None] | Scenario]
+
+
+class _Options(TypedDict, total=False):
+    """Options of `simulate_many`, for type checkers."""
+
+    rtol: float | None
+    method: Method | None
+    start: str | Floats | None
+    times: Floats | None
+    list_samples: bool
+    motor_torque: InputLike | None
+    command: InputLike | None
+    tip_force: InputLike | None
+    brakes: bool | Sequence[bool] | None
+    record: Record
+    workers: int | None
+    progress: Callable[[int], None] | None
+    client: Client | None
+
+
+@overload
+def simulate_many(
+    runs: _Runs, t_end: float | None = None, *, to_parquet: None = None, **options: Unpack[_Options]
+) -> Results: ...
+@overload
+def simulate_many(
+    runs: _Runs, t_end: float | None = None, *, to_parquet: str | Path, **options: Unpack[_Options]
+) -> Path: ...
 def simulate_many(
     runs: Iterable[tuple[Robot, Motion | None] | Scenario],
     t_end: float | None = None,
     *,
     rtol: float | None = None,
     method: Method | None = None,
-    start: str | Sequence[float] | None = None,
-    times: Sequence[float] | None = None,
+    start: str | Floats | None = None,
+    times: Floats | None = None,
     list_samples: bool = False,
     motor_torque: InputLike | None = None,
     command: InputLike | None = None,
@@ -132,7 +173,7 @@ def simulate_many(
     record: Record = "all",
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
-    client: "Client | None" = None,
+    client: Client | None = None,
     to_parquet: str | Path | None = None,
 ) -> Results | Path:
     """Simulate many robots, each with its motion, on all processors.
@@ -181,6 +222,14 @@ def simulate_many(
     Ctrl-C, or what `progress` raises, ends the work within one step of the integrators and leaves
     no threads. The exception carries what was finished until then as ``results``, with None in
     the place of the other runs.
+
+    Examples
+    --------
+    >>> motion = r3.Quintic(start=[0] * 6, end=[1.0, 1.0, 0.6, -0.2, -0.15, -0.1], duration=1.2)
+    >>> robots = [r3.Robot(model=3, load=r3.Load(mass)) for mass in (0.0, 5.0, 15.0)]
+    >>> peaks = r3.simulate_many([(robot, motion) for robot in robots], t_end=1.5, record="peaks")
+    >>> [round(float(peak.motor_torque[1]), 2) for peak in peaks]  # of axis 2 [N m]
+    [3.59, 4.2, 5.43]
     """
     given = {
         "rtol": rtol,
@@ -215,19 +264,22 @@ def simulate_many(
     n_workers = _number_of(workers)
     n_at_a_time = parquet.ROWS if folder else len(jobs) or 1
     for first in range(0, len(jobs) or 1, n_at_a_time):
-        of_all = progress and (lambda n_finished, first=first: progress(first + n_finished))
-        results, stopped = _simulate(jobs[first : first + n_at_a_time], record, n_workers, of_all)
-        n_finished = first + results.n_finished
+        some = jobs[first : first + n_at_a_time]
+        results, stopped = _simulate(some, record, n_workers, _after(first, progress))
         if folder is not None:
             parquet.write(folder, record, first, results)
-            results = folder
         if stopped is not None:
-            raise carrying(stopped, results, n_finished, len(jobs))
-    return results
+            raise carrying(stopped, folder or results, first + results.n_finished, len(jobs))
+    return folder or results
+
+
+def _after(first: int, progress: Callable[[int], None] | None) -> Callable[[int], None] | None:
+    """Return what is called with the number of finished runs of those after the `first`."""
+    return None if progress is None else lambda n_finished: progress(first + n_finished)
 
 
 def _job(
-    name: str, run: Any, t_end: float | None, times: Sequence[float] | None, given: dict[str, Any]
+    name: str, run: Any, t_end: float | None, times: Floats | None, given: dict[str, Any]
 ) -> Experiment:
     """Check a run and return it; errors begin with its name."""
     try:
@@ -268,7 +320,7 @@ def _simulate(
     except BaseException as exception:
         stopped = exception
     return Results(
-        outcome and Finished(job, outcome, record)
+        None if outcome is None else Finished(job, outcome, record)
         for job, outcome in zip(jobs, batch.outcomes, strict=True)
     ), stopped
 
@@ -277,7 +329,7 @@ def carrying(
     stopped: BaseException, results: Results | Path, n_finished: int, n: int
 ) -> BaseException:
     """Return what has ended the work, with what was finished until then."""
-    stopped.results = results
+    stopped.results = results  # type: ignore[attr-defined] # for who catches it
     stopped.add_note(f"{n_finished} of {n} runs are finished: `results` of this exception")
     return stopped
 

@@ -6,12 +6,12 @@ from collections import abc
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _core, html
-from .arguments import floats, number, numbers
+from .arguments import Floats, PerAxis, floats, number, numbers
 
 
 class Motion(ABC):
@@ -23,7 +23,11 @@ class Motion(ABC):
     At its knots it is right-continuous.
     """
 
-    duration: float
+    if TYPE_CHECKING:  # a field of some motions, others compute it
+
+        @property
+        def duration(self) -> float:
+            """Time from start to end [s]."""
 
     @property
     @abstractmethod
@@ -49,7 +53,7 @@ class Motion(ABC):
         """Instants at which the motion is not smooth [s]."""
         return self._compiled.knots
 
-    def angle(self, t: float | np.ndarray) -> np.ndarray:
+    def angle(self, t: float | Floats) -> np.ndarray:
         """Joint angles at time(s) `t` [s].
 
         Returns
@@ -59,12 +63,24 @@ class Motion(ABC):
         """
         return self._evaluate(t, lambda t: self._compiled.reference(t)[0])
 
-    def rate(self, t: float | np.ndarray) -> np.ndarray:
-        """Joint rates at time(s) `t` [s]: an array (..., n_axes) [rad/s]."""
+    def rate(self, t: float | Floats) -> np.ndarray:
+        """Joint rates at time(s) `t` [s].
+
+        Returns
+        -------
+        ndarray (..., n_axes)
+            Rates [rad/s], for `t` of shape (...).
+        """
         return self._evaluate(t, lambda t: self._compiled.reference(t)[1])
 
-    def acceleration(self, t: float | np.ndarray) -> np.ndarray:
-        """Joint accelerations at time(s) `t` [s]: an array (..., n_axes) [rad/s^2]."""
+    def acceleration(self, t: float | Floats) -> np.ndarray:
+        """Joint accelerations at time(s) `t` [s].
+
+        Returns
+        -------
+        ndarray (..., n_axes)
+            Accelerations [rad/s^2], for `t` of shape (...).
+        """
         return self._evaluate(t, self._compiled.acceleration)
 
     def _repr_html_(self) -> str:
@@ -78,13 +94,13 @@ class Motion(ABC):
         )
 
     def _evaluate(
-        self, t: float | np.ndarray, function: Callable[[np.ndarray], np.ndarray]
+        self, t: float | Floats, function: Callable[[np.ndarray], np.ndarray]
     ) -> np.ndarray:
-        t = floats("t", t, "s")
-        return function(t.ravel()).reshape(*t.shape, self.n_axes)
+        instants = floats("t", t, "s")
+        return function(instants.ravel()).reshape(*instants.shape, self.n_axes)
 
 
-def _tuple(name: str, values: abc.Sequence[float], unit: str) -> tuple[float, ...]:
+def _tuple(name: str, values: Floats, unit: str) -> tuple[float, ...]:
     array = numbers(name, values, f"1, 3 or 6 numbers [{unit}], one per axis")
     if array.ndim != 1:
         raise ValueError(
@@ -93,7 +109,7 @@ def _tuple(name: str, values: abc.Sequence[float], unit: str) -> tuple[float, ..
     return tuple(array.tolist())
 
 
-def _instants(name: str, values: abc.Sequence[float]) -> tuple[float, ...]:
+def _instants(name: str, values: Floats) -> tuple[float, ...]:
     array = numbers(name, values, "instants [s]")
     if array.ndim != 1:
         raise ValueError(f"{name}: expected a list of instants [s], got shape {array.shape}")
@@ -117,17 +133,27 @@ class Quintic(Motion):
     ------
     ValueError, TypeError
         What was wrong (argument, axis, unit), what was expected, what arrived.
+
+    Examples
+    --------
+    >>> motion = r3.Quintic(start=[0.0, 0.0, 0.0], end=[1.0, 0.5, -0.5], duration=1.2)
+    >>> motion.angle([0.0, 0.6, 1.2])
+    array([[ 0.  ,  0.  ,  0.  ],
+           [ 0.5 ,  0.25, -0.25],
+           [ 1.  ,  0.5 , -0.5 ]])
+    >>> motion.knots
+    array([0. , 1.2])
     """
 
     start: tuple[float, ...]
     end: tuple[float, ...]
     duration: float
 
-    def __post_init__(self) -> None:
+    def __init__(self, start: Floats, end: Floats, duration: float) -> None:
         self._freeze(
-            start=_tuple("start", self.start, "rad"),
-            end=_tuple("end", self.end, "rad"),
-            duration=number("duration", self.duration, "s"),
+            start=_tuple("start", start, "rad"),
+            end=_tuple("end", end, "rad"),
+            duration=number("duration", duration, "s"),
         )
 
     @cached_property
@@ -151,10 +177,23 @@ class Trapezoid(Motion):
     acceleration : sequence of floats
         Largest joint accelerations [rad/s^2], positive.
 
+    Attributes
+    ----------
+    rate_limit, acceleration_limit : tuple of float
+        The last two arguments.
+
     Raises
     ------
     ValueError, TypeError
         What was wrong (argument, axis, unit), what was expected, what arrived.
+
+    Examples
+    --------
+    >>> motion = r3.Trapezoid(start=[0] * 3, end=[1, 0.5, 0], rate=[2] * 3, acceleration=[10] * 3)
+    >>> round(motion.duration, 12)
+    0.7
+    >>> motion.rate(motion.duration / 2).round(12)
+    array([2., 1., 0.])
     """
 
     start: tuple[float, ...]
@@ -164,10 +203,10 @@ class Trapezoid(Motion):
 
     def __init__(
         self,
-        start: abc.Sequence[float],
-        end: abc.Sequence[float],
-        rate: abc.Sequence[float],
-        acceleration: abc.Sequence[float],
+        start: Floats,
+        end: Floats,
+        rate: Floats,
+        acceleration: Floats,
     ) -> None:
         self._freeze(
             start=_tuple("start", start, "rad"),
@@ -210,20 +249,26 @@ class Spline(Motion):
     ------
     ValueError, TypeError
         What was wrong (argument, axis, unit), what was expected, what arrived.
+
+    Examples
+    --------
+    >>> motion = r3.Spline(times=[0.0, 1.0, 2.0], angles=[[0.0] * 3, [1.0] * 3, [0.5] * 3])
+    >>> motion.angle(1.0), motion.rate(2.0)
+    (array([1., 1., 1.]), array([0., 0., 0.]))
     """
 
     times: tuple[float, ...]
     angles: tuple[tuple[float, ...], ...]
 
-    def __post_init__(self) -> None:
-        times = _instants("times", self.times)
-        angles = numbers("angles", self.angles, "numbers [rad], a row of angles for each time")
-        if angles.ndim != 2 or len(angles) != len(times):
+    def __init__(self, times: Floats, angles: PerAxis) -> None:
+        instants = _instants("times", times)
+        rows = numbers("angles", angles, "numbers [rad], a row of angles for each time")
+        if rows.ndim != 2 or len(rows) != len(instants):
             raise ValueError(
-                f"angles: expected shape ({len(times)}, n_axes), a row of angles [rad] for each "
-                f"time, got shape {angles.shape}"
+                f"angles: expected shape ({len(instants)}, n_axes), a row of angles [rad] for each "
+                f"time, got shape {rows.shape}"
             )
-        self._freeze(times=times, angles=tuple(map(tuple, angles.tolist())))
+        self._freeze(times=instants, angles=tuple(map(tuple, rows.tolist())))
 
     @property
     def duration(self) -> float:
@@ -250,15 +295,20 @@ class Hold(Motion):
     ------
     ValueError, TypeError
         What was wrong (argument, axis, unit), what was expected, what arrived.
+
+    Examples
+    --------
+    >>> r3.Hold([0.3, -0.5, 0.8, 0.0, 0.0, 0.0]).angle(10.0)
+    array([ 0.3, -0.5,  0.8,  0. ,  0. ,  0. ])
     """
 
     angles: tuple[float, ...]
-    duration: float = 0.0
+    duration: float
 
-    def __post_init__(self) -> None:
+    def __init__(self, angles: Floats, duration: float = 0.0) -> None:
         self._freeze(
-            angles=_tuple("angles", self.angles, "rad"),
-            duration=number("duration", self.duration, "s"),
+            angles=_tuple("angles", angles, "rad"),
+            duration=number("duration", duration, "s"),
         )
 
     @cached_property
@@ -283,18 +333,27 @@ class Sequence(Motion):
     ------
     ValueError, TypeError
         What was wrong: which motion, axis and instant, what was expected, what arrived.
+
+    Examples
+    --------
+    >>> there = r3.Quintic(start=[0.0] * 6, end=[1.0] * 6, duration=1.0)
+    >>> waiting = r3.Hold(there.end, duration=0.5)
+    >>> back = r3.Quintic(start=there.end, end=there.start, duration=1.5)
+    >>> motion = r3.Sequence([there, waiting, back])
+    >>> motion.duration, motion.knots
+    (3.0, array([0. , 1. , 1.5, 3. ]))
     """
 
     motions: tuple[Motion, ...]
 
-    def __post_init__(self) -> None:
-        if not isinstance(self.motions, abc.Iterable):
-            raise TypeError(f"motions: expected a list of motions, got {self.motions!r}")
-        motions = tuple(self.motions)
-        for k, motion in enumerate(motions):
+    def __init__(self, motions: abc.Iterable[Motion]) -> None:
+        if not isinstance(motions, abc.Iterable):
+            raise TypeError(f"motions: expected a list of motions, got {motions!r}")
+        members = tuple(motions)
+        for k, motion in enumerate(members):
             if not isinstance(motion, Motion):
                 raise TypeError(f"motions[{k}]: expected a motion, got {motion!r}")
-        self._freeze(motions=motions)
+        self._freeze(motions=members)
 
     @property
     def duration(self) -> float:
@@ -307,7 +366,7 @@ class Sequence(Motion):
 
 
 # A function of time [s] that gives one number per axis.
-_Function = Callable[[float], abc.Sequence[float]]
+_Function = Callable[[float], Floats]
 
 
 @dataclass(frozen=True, repr=False)
@@ -337,6 +396,11 @@ class FunctionMotion(Motion):
         Joint accelerations [rad/s^2], the derivative of `rate`. Default: from differences of
         `rate` over 1e-5 s. Simulations do not need it.
 
+    Attributes
+    ----------
+    angle_function, rate_function, inner_knots, acceleration_function
+        The arguments without the duration.
+
     Raises
     ------
     ValueError, TypeError
@@ -347,6 +411,16 @@ class FunctionMotion(Motion):
     -----
     What a function raises comes out of `simulate`, `Simulator.step` or whatever else has asked it.
     The motion is picklable if its functions are, equal to another if they are.
+
+    Examples
+    --------
+    >>> def angle(t):
+    ...     return [0.1 * (1.0 - np.cos(2.0 * t)), 0.0, 0.0]
+    >>> def rate(t):
+    ...     return [0.2 * np.sin(2.0 * t), 0.0, 0.0]
+    >>> motion = r3.FunctionMotion(angle, rate, duration=np.pi)
+    >>> motion.angle(np.pi / 2)
+    array([0.2, 0. , 0. ])
     """
 
     angle_function: _Function
@@ -360,7 +434,7 @@ class FunctionMotion(Motion):
         angle: _Function,
         rate: _Function,
         duration: float,
-        knots: abc.Sequence[float] = (),
+        knots: Floats = (),
         acceleration: _Function | None = None,
     ) -> None:
         given = {"angle": angle, "rate": rate}

@@ -67,6 +67,8 @@ class FinalRecord(RunRecord, Signals):
 
     Attributes
     ----------
+    signals : ndarray (n_signals, n_axes)
+        All signals there.
     state : ndarray (n_states,)
         The state there.
     branches : dict of str to ndarray (n_axes,)
@@ -94,6 +96,8 @@ class PeakRecord(RunRecord, Signals):
 
     Attributes
     ----------
+    signals : ndarray (n_signals, n_axes)
+        All of these.
     robot, motion, method, rtol, t_end, statistics, status
         As those of a `Result`.
     """

@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _core, files, html
 from . import plot as pictures
-from .arguments import floats
+from .arguments import Floats, floats
 from .build_info import BuildInfo
 from .events import Events
 from .experiment import Experiment
@@ -147,7 +147,9 @@ class Samples(Signals):
         return _core.evaluate_energies(*self._of_run, self.state, self._signals)
 
     @property
-    def _of_run(self) -> tuple[Any, ...]:
+    def _of_run(
+        self,
+    ) -> tuple[_core.Robot, _core.Inputs, _core.Trajectory, np.ndarray, np.ndarray]:
         """What was simulated, and where in its run these instants are."""
         run = self._run
         compiled = run.inputs.robot._compiled, run.inputs._compiled
@@ -288,7 +290,7 @@ class Result(Samples):
 
     def _with(self, **changes: Any) -> "Result":
         """Return a result that was constructed with some other arguments."""
-        arguments = {
+        arguments: dict[str, Any] = {
             "run": self._run,
             "events": self.events,
             "statistics": self.statistics,
@@ -297,7 +299,7 @@ class Result(Samples):
         }
         return Result(**arguments | changes)
 
-    def at(self, times: float | np.ndarray) -> Samples:
+    def at(self, times: float | Floats) -> Samples:
         """Signals at any instants of the run, as accurate as at the steps.
 
         Parameters
@@ -313,6 +315,12 @@ class Result(Samples):
         ------
         ValueError
             If an instant lies outside the run.
+
+        Examples
+        --------
+        >>> result = r3.Scenario.load("figure9").run()
+        >>> result.at(0.6).joint_angle.round(3)
+        array([[ 0.496,  0.499,  0.302, -0.099, -0.073, -0.05 ]])
         """
         t = np.atleast_1d(floats("times", times, "s"))
         outside = (t < 0.0) | (t > self.t_end)
@@ -332,6 +340,10 @@ class Result(Samples):
         **overrides
             Arguments of `simulate` that take the place of those of this run; all others stay as
             they were, `rtol` and `method` included.
+
+        Returns
+        -------
+        Result
 
         Raises
         ------
@@ -362,6 +374,14 @@ class Result(Samples):
             Without the extra ``files``, for NetCDF4.
         OSError
             If the file cannot be written.
+
+        Examples
+        --------
+        >>> result = r3.Scenario.load("figure9").run()
+        >>> result.save("run.npz")
+        >>> same = r3.Result.load("run.npz")
+        >>> np.array_equal(same.motor_torque, result.motor_torque), same.events == result.events
+        (True, True)
         """
         files.save(path, self)
 
@@ -378,6 +398,10 @@ class Result(Samples):
         path : str or Path
             The file, ``.nc`` or ``.npz``.
 
+        Returns
+        -------
+        Result
+
         Raises
         ------
         ValueError
@@ -386,6 +410,12 @@ class Result(Samples):
             Without the extra ``files``, for NetCDF4.
         OSError
             If the file cannot be read.
+
+        Examples
+        --------
+        >>> r3.Scenario.load("one-axis").run().save("axis.npz")
+        >>> r3.Result.load("axis.npz").status
+        'completed'
         """
         return files.load(path)
 
@@ -405,6 +435,11 @@ class Result(Samples):
         rate, magnify
             Frames per second, and how many times the control error is shown; see
             `manutec_r3.animation.Animation`.
+
+        Returns
+        -------
+        Animation
+            Jupyter shows it; its method ``save`` writes the page.
 
         Raises
         ------

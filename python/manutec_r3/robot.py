@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from . import _core, html
-from .arguments import floats, number, per_axis
+from .arguments import Floats, PerAxis, floats, number, per_axis
 from .motion import Motion
 from .tables import TABLES, Rows, replaced
 
@@ -44,23 +44,34 @@ class Load:
     ------
     ValueError, TypeError
         What was wrong (argument, unit), what was expected, what arrived.
+
+    Examples
+    --------
+    >>> r3.Load(15.0)
+    Load(mass=15.0, position=(0.0, 0.0, 0.25), bounds=True)
+    >>> r3.Load(20.0)
+    Traceback (most recent call last):
+    ValueError: load.mass: expected 0 to 15 kg, got 20 kg
     """
 
-    mass: float = 0.0
-    position: tuple[float, float, float] = (0.0, 0.0, 0.25)
-    bounds: bool = True
+    mass: float
+    position: tuple[float, float, float]
+    bounds: bool
 
-    def __post_init__(self) -> None:
-        mass = number("load.mass", self.mass, "kg")
-        position = floats("load.position", self.position, "m")
-        if position.shape != (3,):
+    def __init__(
+        self, mass: float = 0.0, position: Floats = (0.0, 0.0, 0.25), bounds: bool = True
+    ) -> None:
+        kilograms = number("load.mass", mass, "kg")
+        coordinates = floats("load.position", position, "m")
+        if coordinates.shape != (3,):
             raise ValueError(
-                f"load.position: expected three coordinates [m], got shape {position.shape}"
+                f"load.position: expected three coordinates [m], got shape {coordinates.shape}"
             )
-        if not isinstance(self.bounds, bool):
-            raise TypeError(f"load.bounds: expected True or False, got {self.bounds!r}")
-        object.__setattr__(self, "mass", mass)
-        object.__setattr__(self, "position", tuple(position.tolist()))
+        if not isinstance(bounds, bool):
+            raise TypeError(f"load.bounds: expected True or False, got {bounds!r}")
+        object.__setattr__(self, "mass", kilograms)
+        object.__setattr__(self, "position", tuple(coordinates.tolist()))
+        object.__setattr__(self, "bounds", bounds)
         _ = self._compiled
 
     @cached_property
@@ -122,13 +133,28 @@ class Robot:
     ------
     ValueError, TypeError
         What was wrong, what was expected, what arrived: argument, or table, symbol and axis.
+
+    Examples
+    --------
+    >>> robot = r3.Robot(model=3, load=r3.Load(mass=15.0), controller="sampled")
+    >>> robot.n_axes, robot.n_states, robot.n_indicators
+    (6, 66, 42)
+    >>> robot.state_names[0], robot.state_units[0], robot.indicator_names[0]
+    ('joint_angle[1]', 'rad', 'dead_zone_upper[1]')
+
+    Other numbers than those of the tables, and the arm alone:
+
+    >>> robot.replace(table_2={"b": {2: 0.05}}).parameters["table_2"]["b"][1]
+    0.05
+    >>> r3.Robot(model=2).inverse_dynamics([0.0, 0.5, 0.0], np.zeros(3), np.zeros(3)).round(1)
+    array([   0. , -253.6,  -57.3])
     """
 
     model: int | str = 3
-    load: Load | None = None
+    load: Load = None  # type: ignore[assignment] # becomes that of the model
     controller: Literal["continuous", "sampled", "external"] | None = "continuous"
     _: KW_ONLY
-    rotor_coupling: str | tuple[str, ...] | None = None
+    rotor_coupling: str | Sequence[str] = None  # type: ignore[assignment] # as the load
     gear_damping: Literal["parallel", "contact"] = "parallel"
     stiction: Literal["exact", "stiff-spring", "stiff-damper"] = "exact"
     stiffness: float = 1e7
@@ -343,11 +369,11 @@ class Robot:
 
     def state_from(
         self,
-        joint_angle: Sequence[float],
-        joint_rate: Sequence[float] | None = None,
-        rotor_angle: Sequence[float] | None = None,
-        rotor_rate: Sequence[float] | None = None,
-        motor_torque: Sequence[float] | None = None,
+        joint_angle: Floats,
+        joint_rate: Floats | None = None,
+        rotor_angle: Floats | None = None,
+        rotor_rate: Floats | None = None,
+        motor_torque: Floats | None = None,
     ) -> np.ndarray:
         """State vector from quantities of the axes; all other states are zero.
 
@@ -371,7 +397,6 @@ class Robot:
             What was wrong (argument, axis, unit), what was expected, what arrived.
         """
         given = {
-            "joint_angle": (joint_angle, "rad"),
             "joint_rate": (joint_rate, "rad/s"),
             "rotor_angle": (rotor_angle, "rad"),
             "rotor_rate": (rotor_rate, "rad/s"),
@@ -381,7 +406,8 @@ class Robot:
             None if value is None else per_axis(name, value, unit, self.n_axes)
             for name, (value, unit) in given.items()
         ]
-        return self._compiled.state_from(*arrays)
+        angle = per_axis("joint_angle", joint_angle, "rad", self.n_axes)
+        return self._compiled.state_from(angle, *arrays)
 
     def _core_motion(self, motion: Motion | None) -> _core.Motion | None:
         """Return the core's motion, if this robot can follow it."""
@@ -396,9 +422,9 @@ class Robot:
 
     def forward_dynamics(
         self,
-        q: np.ndarray,
-        qd: np.ndarray,
-        tau: np.ndarray,
+        q: PerAxis,
+        qd: PerAxis,
+        tau: PerAxis,
         *,
         algorithm: Literal["composite", "articulated"] = "composite",
     ) -> np.ndarray:
@@ -427,7 +453,7 @@ class Robot:
             functions[algorithm], q=(q, "rad"), qd=(qd, "rad/s"), tau=(tau, "N m")
         )
 
-    def inverse_dynamics(self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
+    def inverse_dynamics(self, q: PerAxis, qd: PerAxis, qdd: PerAxis) -> np.ndarray:
         """Torques at the joints of the arm with ideal gears and without friction (spec section 6).
 
         Parameters
@@ -444,13 +470,24 @@ class Robot:
             _core.inverse_dynamics, q=(q, "rad"), qd=(qd, "rad/s"), qdd=(qdd, "rad/s^2")
         )
 
-    def mass_matrix(self, q: np.ndarray) -> np.ndarray:
-        """Mass matrix (..., n_axes, n_axes) [kg m^2], rotors included, for angles `q` [rad]."""
-        q = per_axis("q", q, "rad", self.n_axes)
-        matrices = _core.mass_matrix(self._compiled, q.reshape(-1, self.n_axes))
-        return matrices.reshape(*q.shape, self.n_axes)
+    def mass_matrix(self, q: PerAxis) -> np.ndarray:
+        """Mass matrix of the arm with ideal gears, rotors included (spec section 6).
 
-    def link_poses(self, q: np.ndarray) -> np.ndarray:
+        Parameters
+        ----------
+        q : array_like (..., n_axes)
+            Angles [rad].
+
+        Returns
+        -------
+        ndarray (..., n_axes, n_axes)
+            Inertias at the joints [kg m^2].
+        """
+        angles = per_axis("q", q, "rad", self.n_axes)
+        matrices = _core.mass_matrix(self._compiled, angles.reshape(-1, self.n_axes))
+        return matrices.reshape(*angles.shape, self.n_axes)
+
+    def link_poses(self, q: PerAxis) -> np.ndarray:
         """Frames of the world (z up, origin on axes 1 to 3) and of arms 1 to 6.
 
         Parameters
@@ -463,28 +500,39 @@ class Robot:
         ndarray (..., 7, 4, 4)
             Homogeneous transformations, frame to world [m].
         """
-        q = per_axis("q", q, "rad", self.n_axes)
-        all_axes = np.zeros((*q.shape[:-1], 6))
-        all_axes[..., : self.n_axes] = q
+        angles = per_axis("q", q, "rad", self.n_axes)
+        all_axes = np.zeros((*angles.shape[:-1], 6))
+        all_axes[..., : self.n_axes] = angles
         return _core.link_poses(self._compiled, all_axes.reshape(-1, 6)).reshape(
-            *q.shape[:-1], 7, 4, 4
+            *angles.shape[:-1], 7, 4, 4
         )
 
-    def load_position(self, q: np.ndarray) -> np.ndarray:
-        """Position (..., 3) of the load in the world [m] for angles `q` (..., n_axes) [rad]."""
+    def load_position(self, q: PerAxis) -> np.ndarray:
+        """Where the load is in the world.
+
+        Parameters
+        ----------
+        q : array_like (..., n_axes)
+            Angles [rad].
+
+        Returns
+        -------
+        ndarray (..., 3)
+            Positions [m].
+        """
         arm_6 = self.link_poses(q)[..., 6, :, :]
         return arm_6[..., :3, :3] @ np.array(self.load.position) + arm_6[..., :3, 3]
 
-    def _per_pose(self, function: Any, **arguments: tuple[np.ndarray, str]) -> np.ndarray:
+    def _per_pose(self, function: Any, **arguments: tuple[PerAxis, str]) -> np.ndarray:
         arrays = [
             per_axis(name, value, unit, self.n_axes) for name, (value, unit) in arguments.items()
         ]
         try:
-            arrays = np.broadcast_arrays(*arrays)
+            fitting = np.broadcast_arrays(*arrays)
         except ValueError:
             shapes = ", ".join(
                 f"{name} {a.shape}" for name, a in zip(arguments, arrays, strict=True)
             )
             raise ValueError(f"expected shapes that fit each other, got {shapes}") from None
-        flat = [np.reshape(array, (-1, self.n_axes)) for array in arrays]
-        return function(self._compiled, *flat).reshape(arrays[0].shape)
+        flat = [np.reshape(array, (-1, self.n_axes)) for array in fitting]
+        return function(self._compiled, *flat).reshape(fitting[0].shape)

@@ -1,7 +1,7 @@
 """Scenarios: an experiment in one TOML file, the robot, its motion and how it is simulated."""
 
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -27,7 +27,7 @@ _ALIASES = {"figure9": "figure9-quintic"}
 
 
 def scenarios() -> list[str]:
-    """Names of the scenarios that come with the package."""
+    """Return the names of the scenarios that come with the package."""
     names = [file.name.removesuffix(".toml") for file in _FOLDER.iterdir()]
     return sorted([*names, *_ALIASES])
 
@@ -69,6 +69,22 @@ class Scenario:
     Notes
     -----
     It cannot be changed, and may be hashed, pickled and compared.
+
+    Examples
+    --------
+    >>> scenario = r3.Scenario.load("figure9")
+    >>> scenario.robot.load.mass, scenario.motion.duration, scenario.t_end
+    (15.0, 1.2, 1.5)
+    >>> result = scenario.run(rtol=1e-8)
+    >>> result.status
+    'completed'
+
+    One of one's own, written to a file:
+
+    >>> lighter = scenario.replace(robot=scenario.robot.replace(load=r3.Load(5.0)))
+    >>> lighter.save("lighter.toml")
+    >>> r3.Scenario.load("lighter.toml") == lighter
+    True
     """
 
     name: str = field(compare=False)
@@ -76,7 +92,7 @@ class Scenario:
     motion: Motion | None
     t_end: float
     description: str = ""
-    start: str | tuple[float, ...] | None = None
+    start: str | Sequence[float] | None = None
     rtol: float | None = None
     method: Method | None = None
     inputs: Mapping[str, Any] = field(default_factory=dict)
@@ -98,6 +114,10 @@ class Scenario:
         ----------
         name_or_path : str or Path
             One of `scenarios()`, or a path that ends in ``.toml``.
+
+        Returns
+        -------
+        Scenario
 
         Raises
         ------
@@ -174,6 +194,15 @@ class Scenario:
         **overrides
             Arguments of `simulate` that take the place of the scenario's own, such as ``rtol``,
             or that it does not have, such as ``times``.
+
+        Returns
+        -------
+        Result
+
+        Raises
+        ------
+        ValueError, TypeError, SimulationError
+            As `simulate`.
         """
         arguments = {"t_end": self.t_end} | self._arguments | dict(self.record) | overrides
         try:
@@ -229,7 +258,9 @@ def _settings(data: dict[str, Any]) -> dict[str, Any]:
     from . import scenario_file  # pydantic takes its time to import
 
     scenario_file.check(data)
-    settings = {key: data[key] for key in ("t_end", "description", "start") if key in data}
+    settings: dict[str, Any] = {
+        key: data[key] for key in ("t_end", "description", "start") if key in data
+    }
     settings["robot"] = _robot(data["robot"])
     with _at("[motion]"):
         settings["motion"] = plain.motion(data["motion"]) if "motion" in data else None

@@ -176,7 +176,7 @@ class ScenarioTable(Table):
 
 # --- what is wrong ------------------------------------------------------------------------------
 
-_TABLES = {
+_TABLES: dict[str, type[Table]] = {
     "robot": RobotTable,
     "load": LoadTable,
     "inputs": InputsTable,
@@ -184,7 +184,7 @@ _TABLES = {
     "record": RecordTable,
     "published": PublishedTable,
 }
-_MOTION_TABLES = {
+_MOTION_TABLES: dict[str, type[Table]] = {
     get_args(table.model_fields["type"].annotation)[0]: table
     for table in get_args(get_args(MotionTable)[0])
 }
@@ -210,7 +210,8 @@ def check(data: Mapping[str, Any]) -> None:
 
 def _mistake(error: Mapping[str, Any], value: Any) -> str:
     """Say where an error is, and what it is, with the words of the tables above."""
-    where, table, path = "", ScenarioTable, list(error["loc"])
+    table: type[Table] = ScenarioTable
+    where, path = "", list(error["loc"])
     while path:
         key = path.pop(0)
         if key not in table.model_fields:

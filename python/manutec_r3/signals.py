@@ -4,7 +4,7 @@ Their names, units and descriptions are those of the core; the list below tells 
 checkers of the attributes.
 """
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Never, Self, overload
 
 import numpy as np
 
@@ -45,10 +45,14 @@ class _Signal:
         unit, text = descriptions[name]
         self.__doc__ = f"{text} [{unit}]."
 
-    def __get__(self, instance: Any, owner: type | None = None) -> np.ndarray:
+    @overload
+    def __get__(self, instance: None, owner: type) -> Self: ...
+    @overload
+    def __get__(self, instance: "Signals", owner: type | None = None) -> np.ndarray: ...
+    def __get__(self, instance: Any, owner: type | None = None) -> Any:
         return self if instance is None else instance._signal(self._name)
 
-    def __set__(self, instance: object, value: object) -> None:
+    def __set__(self, instance: object, value: Never) -> None:
         raise AttributeError(f"{self._name}: it is computed and cannot be set")
 
 

@@ -1,5 +1,7 @@
 """Simulating: a whole run, or step by step. Both are the same loop."""
 
+from __future__ import annotations  # help() shows short names of types
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from time import perf_counter
@@ -8,7 +10,7 @@ from typing import get_args
 import numpy as np
 
 from . import _core
-from .arguments import floats, number, numbers
+from .arguments import Floats, floats, number, numbers
 from .build_info import build_info
 from .errors import SimulationError, SimulationInterrupted
 from .events import Event, Events
@@ -32,7 +34,7 @@ from .signals import Signals
 # slowly for ever against friction and backlash (specification section 8) [s].
 _SETTLING = 0.5
 
-InputLike = Sequence[float] | Callable[[float], Sequence[float]] | Input
+InputLike = Floats | Callable[[float], Floats] | Input
 
 
 def simulate(
@@ -42,8 +44,8 @@ def simulate(
     *,
     rtol: float | None = None,
     method: Method | None = None,
-    start: str | Sequence[float] | None = None,
-    times: Sequence[float] | None = None,
+    start: str | Floats | None = None,
+    times: Floats | None = None,
     list_samples: bool = False,
     motor_torque: InputLike | None = None,
     command: InputLike | None = None,
@@ -120,8 +122,30 @@ def simulate(
     -----
     A result keeps every step, about a kilobyte each and two thousand of them per second of robot;
     a `Simulator` keeps none.
+
+    Examples
+    --------
+    >>> robot = r3.Robot(model=3, load=r3.Load(mass=15.0))
+    >>> motion = r3.Quintic(start=[0] * 6, end=[1.0, 1.0, 0.6, -0.2, -0.15, -0.1], duration=1.2)
+    >>> result = r3.simulate(robot, motion, t_end=1.5)
+    >>> abs(result.motor_torque).max(axis=0).round(2)  # [N m], motor side
+    array([2.81, 5.43, 7.04, 0.28, 1.2 , 0.17])
+    >>> len(result.events)
+    60
+
+    Recorded at some instants, besides the events:
+
+    >>> r3.simulate(robot, motion, t_end=1.5, times=[0.5, 1.0]).joint_angle.shape
+    (122, 6)
+
+    Without controllers motor torques are inputs, here a function of time:
+
+    >>> free = r3.Robot(model=2, controller=None)
+    >>> swinging = r3.simulate(free, None, t_end=0.1, motor_torque=lambda t: [np.sin(t), 0, 0])
+    >>> swinging.motor_torque[-1].round(4)
+    array([0.0998, 0.    , 0.    ])
     """
-    t_end, times = span(t_end, times)
+    t_end, instants = span(t_end, times)
     if progress is not None and not callable(progress):
         raise TypeError(
             f"progress: expected a function of time and number of events, got {progress!r}"
@@ -146,7 +170,7 @@ def simulate(
         _record=True,
     )
     core = simulator._compiled
-    asked = Experiment(simulator._setup, t_end, times, list_limits, enforce_limits, _scenario)
+    asked = Experiment(simulator._setup, t_end, instants, list_limits, enforce_limits, _scenario)
 
     def result(status: str = "completed") -> Result:
         free = result_of(asked, core, core.events(0), perf_counter() - began, status)
@@ -171,19 +195,20 @@ def simulate(
     return result()
 
 
-def span(t_end: float, times: Sequence[float] | None) -> tuple[float, np.ndarray | None]:
+def span(t_end: float, times: Floats | None) -> tuple[float, np.ndarray | None]:
     """Return the end of a run [s] and the instants to record, which lie before it."""
     t_end = number("t_end", t_end, "s")
     if t_end <= 0.0:
         raise ValueError(f"t_end: expected a time after the start at 0 s, got {t_end:g} s")
-    if times is not None:
-        times = np.atleast_1d(floats("times", times, "s")).ravel()
-        outside = (times < 0.0) | (times > t_end)
-        if outside.any():
-            raise ValueError(
-                f"times: expected instants from 0 to {t_end:g} s, got {times[outside][0]:g} s"
-            )
-    return t_end, times
+    if times is None:
+        return t_end, None
+    instants = np.atleast_1d(floats("times", times, "s")).ravel()
+    outside = (instants < 0.0) | (instants > t_end)
+    if outside.any():
+        raise ValueError(
+            f"times: expected instants from 0 to {t_end:g} s, got {instants[outside][0]:g} s"
+        )
+    return t_end, instants
 
 
 def set_up(
@@ -192,7 +217,7 @@ def set_up(
     *,
     rtol: float | None = None,
     method: Method | None = None,
-    start: str | Sequence[float] | None = None,
+    start: str | Floats | None = None,
     list_samples: bool = False,
     brakes: bool | Sequence[bool] = False,
     **given: InputLike | None,
@@ -208,17 +233,23 @@ def set_up(
     rtol = number("rtol", rtol, "1")
     if not 1e-14 <= rtol <= 1e-2:
         raise ValueError(f"rtol: expected a tolerance from 1e-14 to 1e-2, got {rtol:g}")
+    begin = _start(robot, start)
+    return Setup(inputs, held, braked(brakes, robot.n_axes), begin, method, rtol, list_samples)
+
+
+def _start(robot: Robot, start: str | Floats | None) -> str | np.ndarray:
+    """Return what rests on the reference, or a state vector that the robot can have."""
     if start is None:
-        start = _core.default_start(robot._compiled)
-    elif not isinstance(start, str):
-        start = numbers("start", start, "'rotor', 'arm' or a state vector")
-        if start.ndim != 1:
-            raise ValueError(
-                f"start: expected a state vector of {robot.n_states} values, "
-                f"got shape {start.shape}"
-            )
-        robot._compiled.check_state(start)
-    return Setup(inputs, held, braked(brakes, robot.n_axes), start, method, rtol, list_samples)
+        return _core.default_start(robot._compiled)
+    if isinstance(start, str):
+        return start
+    state = numbers("start", start, "'rotor', 'arm' or a state vector")
+    if state.ndim != 1:
+        raise ValueError(
+            f"start: expected a state vector of {robot.n_states} values, got shape {state.shape}"
+        )
+    robot._compiled.check_state(state)
+    return state
 
 
 def result_of(
@@ -270,6 +301,27 @@ class Simulator(Signals):
     rtol, method, start, list_samples, motor_torque, command, tip_force, brakes
         As in `simulate`. Branches are decided from the start by physics. Samples that are not
         listed do not end `step_to_event`.
+
+    Examples
+    --------
+    >>> motion = r3.Quintic(start=[0] * 6, end=[0.5] * 6, duration=1.0)
+    >>> simulator = r3.Simulator(r3.Robot(model=3), motion)
+    >>> event = simulator.step_to_event()
+    >>> event.element, event.axis, event.time == simulator.time
+    ('dead_zone', 4, True)
+    >>> simulator.branches["friction"]
+    array([0, 0, 0, 0, 0, 0], dtype=int8)
+    >>> events = simulator.step(0.1)
+    >>> simulator.joint_angle.shape
+    (6,)
+
+    A controller of one's own, every 8 ms:
+
+    >>> robot = r3.Robot(model=3, controller="external")
+    >>> simulator = r3.Simulator(robot, motion)
+    >>> while simulator.time < 0.08:
+    ...     simulator.command = 30.0 * simulator.control_error  # [V]
+    ...     events = simulator.step(8e-3)
     """
 
     __slots__ = ("_compiled", "_setup", "_untold", "inputs", "method", "rtol")
@@ -281,7 +333,7 @@ class Simulator(Signals):
         *,
         rtol: float | None = None,
         method: Method | None = None,
-        start: str | Sequence[float] | None = None,
+        start: str | Floats | None = None,
         list_samples: bool = False,
         motor_torque: InputLike | None = None,
         command: InputLike | None = None,
@@ -377,7 +429,7 @@ class Simulator(Signals):
         return self._signal("motor_torque")
 
     @motor_torque.setter
-    def motor_torque(self, torque: Sequence[float]) -> None:
+    def motor_torque(self, torque: Floats) -> None:
         self._set_input_of_axes("motor_torque", torque)
 
     @property
@@ -390,7 +442,7 @@ class Simulator(Signals):
         return self._signal("command")
 
     @command.setter
-    def command(self, command: Sequence[float]) -> None:
+    def command(self, command: Floats) -> None:
         self._set_input_of_axes("command", command)
 
     @property
@@ -400,7 +452,7 @@ class Simulator(Signals):
         return np.array(function(self.time)) if function else self._compiled.tip_force
 
     @tip_force.setter
-    def tip_force(self, value: Sequence[float]) -> None:
+    def tip_force(self, value: Floats) -> None:
         if self.inputs.tip_force is not None:
             raise AttributeError("tip_force: it is a function of time and cannot be set")
         check_has_tip(self.robot)
@@ -419,7 +471,7 @@ class Simulator(Signals):
     def brakes(self, brakes: bool | Sequence[bool]) -> None:
         self._set(self._compiled.set_brakes, braked(brakes, self.robot.n_axes))
 
-    def _set_input_of_axes(self, name: str, values: Sequence[float]) -> None:
+    def _set_input_of_axes(self, name: str, values: Floats) -> None:
         expected, unit = input_of(self.robot) or ("", "")
         if name != expected:
             needed = {"motor_torque": "None", "command": "'external'"}[name]
@@ -516,7 +568,7 @@ class Simulator(Signals):
 
     # --- saving ---------------------------------------------------------------------------------
 
-    def save(self) -> "SavedState":
+    def save(self) -> SavedState:
         """Return everything that the future depends on; give it to `restore`."""
         return SavedState(
             self.time,
@@ -525,7 +577,7 @@ class Simulator(Signals):
             tuple(self._untold),
         )
 
-    def restore(self, saved: "SavedState") -> None:
+    def restore(self, saved: SavedState) -> None:
         """Go back to where `save` was called, on this simulator or one like it.
 
         What follows is bit-identical to what followed then, but for ``"bdf"``, which restarts at

@@ -97,7 +97,7 @@ def _row(where: str, symbol: str, old: Sequence, new: Any, units: Units) -> Sequ
             if not 1 <= axis <= n:
                 axes = f"an axis from 1 to {n}" if n > 1 else "axis 1 only"
                 raise ValueError(f"{where}: expected {axes}, got {axis}")
-            row[axis - 1] = entry(axis, given)
+            row[axis - 1] = entry(int(axis), given)
         return row
     if isinstance(old[0], float) and not isinstance(new, str | Sequence | np.ndarray):
         new = [new] * n

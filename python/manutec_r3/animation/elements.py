@@ -33,4 +33,5 @@ def in_words(event: Event) -> str:
 
 def rgb(colour: str) -> tuple[int, int, int]:
     """Return red, green and blue, 0 to 255, of a colour as CSS writes it."""
-    return tuple(bytearray.fromhex(colour[1:]))
+    red, green, blue = bytearray.fromhex(colour[1:])
+    return red, green, blue

@@ -126,7 +126,7 @@ def _run(result: "Result", time: np.ndarray, magnify: float) -> dict[str, Any]:
         "floor": shapes.floor_height(robot),
         "model": b64encode(model).decode(),
         "poses": _base64(arm_poses(robot, now.joint_angle)),
-        "reference_poses": _base64(arm_poses(robot, ghost)) if follows else None,
+        "reference_poses": None if ghost is None else _base64(arm_poses(robot, ghost)),
         "motor_torque": _base64(now.motor_torque),
         "control_error": _base64(now.control_error) if follows else None,
         "branches": _stays(result),

@@ -102,7 +102,7 @@ def _six_arms(robot: Robot) -> dict[str, Iterable[Part]]:
     shoulder, elbow, roll, wrist, flange = np.diff(origin, axis=0)  # each from the joint before
     turret = floor_height(robot) + 0.375
     seat = min(0.12, 0.35 * wrist[2])  # where arm 4 begins, above its joint
-    made = {
+    made: dict[str, Iterable[Part]] = {
         "base": _base(floor_height(robot), turret),
         "arm_1": _turret(turret, shoulder),
         "arm_2": _upper_arm(elbow),

@@ -1,6 +1,7 @@
 """How long one evaluation takes: right-hand sides of the models, forward dynamics beside peers."""
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from ..inputs import gather
 from ..motion import Quintic
 from ..robot import Load, Robot
 from ..simulation import simulate
-from .peers import Peer, PlainArm, peers
+from .peers import ForwardDynamics, Peer, PlainArm, peers
 from .report import Row, Table
 from .timing import each_of_many, many
 
@@ -53,7 +54,7 @@ def _loop(robot: Robot) -> Callable[[int], np.ndarray]:
     result = simulate(robot, motion, 0.6)
     edges = np.array([0.0, *np.unique(result.events.time), result.t_end])
     longest = np.argmax(np.diff(edges))
-    t = np.linspace(*edges[longest : longest + 2], many + 2)[1:-1]
+    t = np.linspace(edges[longest], edges[longest + 1], many + 2)[1:-1]
     x = result.at(t).state
     inputs, _ = gather(robot, motion, {})
     system = _core.System(robot._compiled, inputs._compiled)
@@ -66,32 +67,29 @@ def forward_dynamics(repeats: int) -> Table:
     rng = np.random.default_rng(1)
     q, qd = rng.uniform(-3.0, 3.0, (2, many, 6))
     tau = rng.uniform(-500.0, 500.0, (many, 6))
-    ours = PLAIN_ARM.robot._compiled
+    composite = partial(_core.forward_dynamics, PLAIN_ARM.robot._compiled)
+    articulated = partial(_core.articulated_forward_dynamics, PLAIN_ARM.robot._compiled)
     programs = [
-        Peer(
-            "manutec_r3",
-            "mass matrix, bias, solution",
-            lambda *pose: _core.forward_dynamics(ours, *pose),
-        ),
-        Peer(
-            "manutec_r3",
-            "articulated bodies, O(n)",
-            lambda *pose: _core.articulated_forward_dynamics(ours, *pose),
-        ),
+        Peer("manutec_r3", "mass matrix, bias, solution", composite),
+        Peer("manutec_r3", "articulated bodies, O(n)", articulated),
         *peers(PLAIN_ARM),
     ]
-    expected = programs[0].forward_dynamics(q, qd, tau)
+    expected = composite(q, qd, tau)
     errors = [
         float((np.abs(peer.forward_dynamics(q, qd, tau) - expected) / _largest(expected)).max())
         if peer.forward_dynamics
         else None
         for peer in programs
     ]
-    right = [k for k, error in enumerate(errors) if error is not None and error <= _AGREEMENT]
+
+    def of_poses(forward_dynamics: ForwardDynamics) -> Callable[[int], np.ndarray]:
+        return lambda n: forward_dynamics(q[:n], qd[:n], tau[:n])
+
     timings = each_of_many(
         {
-            str(k): lambda n, run=programs[k].forward_dynamics: run(q[:n], qd[:n], tau[:n])
-            for k in right
+            str(k): of_poses(peer.forward_dynamics)
+            for k, (peer, error) in enumerate(zip(programs, errors, strict=True))
+            if peer.forward_dynamics and error is not None and error <= _AGREEMENT
         },
         repeats,
     )

@@ -105,12 +105,12 @@ def _tensor(arm: dict) -> np.ndarray:
 def _joined(*bodies: tuple[float, np.ndarray, np.ndarray]) -> tuple[float, np.ndarray, np.ndarray]:
     """One rigid body of several."""
     mass = sum(m for m, _, _ in bodies)
-    centre = sum(m * c for m, c, _ in bodies) / mass
-    inertia = sum(
+    centre = np.sum([m * c for m, c, _ in bodies], axis=0) / mass
+    about_centre = [
         i + m * ((c - centre) @ (c - centre) * np.eye(3) - np.outer(c - centre, c - centre))
         for m, c, i in bodies
-    )
-    return mass, centre, inertia
+    ]
+    return mass, centre, np.sum(about_centre, axis=0)
 
 
 def peers(arm: PlainArm) -> list[Peer]:

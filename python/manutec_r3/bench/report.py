@@ -135,7 +135,9 @@ class Table:
 
 
 def _too_large(row: Row) -> str:
-    return f" > {row.allowed:.0e}" if row.allowed is not None and row.error > row.allowed else ""
+    if row.allowed is None or row.error is None or row.error <= row.allowed:
+        return ""
+    return f" > {row.allowed:.0e}"
 
 
 def filled(table: Table) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:

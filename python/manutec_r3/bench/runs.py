@@ -15,10 +15,10 @@ import numpy as np
 import manutec_r3 as r3
 
 from .. import _core
-from ..accuracy import PROMISED, inside_steps, largest_errors, sequence
+from ..accuracy import PROMISED, Recorded, inside_steps, largest_errors, sequence
 from ..events import Event
 from ..experiment import Method
-from ..result import Result, Samples
+from ..result import Result
 from ..robot import Load
 from ..scenario import Scenario
 from ..simulation import Simulator
@@ -74,7 +74,7 @@ def outcome(result: Result, exact: Result) -> Outcome:
 
 
 def _judged(
-    got: Samples, events: Iterable[Event], exact: Result, evaluations: int, steps: int
+    got: Recorded, events: Iterable[Event], exact: Result, evaluations: int, steps: int
 ) -> Outcome:
     error = max(largest_errors(got, exact).values())
     same_events = sequence(events) == sequence(exact.events)
@@ -145,7 +145,8 @@ def _methods(
     with_scipy: bool = False,
 ) -> Table:
     exact = exact_run(scenario)
-    programs, outcomes = {}, {}
+    programs: dict[str, Callable[[], object]] = {}
+    outcomes = {}
     for method in sorted(get_args(Method), key=lambda method: method != exact.method):
         for name, result in _runs(scenario, exact, method):
             programs[name] = bare_run(scenario, method=method, rtol=result.rtol)
@@ -239,7 +240,7 @@ def many_runs(repeats: int) -> Table:
     with ProcessPoolExecutor(n) as pool:
 
         def by_processes() -> list[np.ndarray]:
-            states = [None] * len(runs)
+            states: list[Any] = [None] * len(runs)
             for k, share in enumerate(pool.map(_last_states, *zip(*shares, strict=True))):
                 states[k::n] = share
             return states

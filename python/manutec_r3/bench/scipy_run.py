@@ -72,10 +72,11 @@ def run(scenario: Scenario, rtol: float) -> SciPyRun:
     def leaves_domain(t: float, x: np.ndarray) -> float:
         return (indicators(t, x) + lift).min()
 
-    leaves_domain.terminal = True
-    leaves_domain.direction = -1
+    leaves_domain.terminal = True  # type: ignore[attr-defined] # as SciPy wants it
+    leaves_domain.direction = -1  # type: ignore[attr-defined]
 
-    t, x = 0.0, system.initialise(0.0, robot.rest_state(motion, scenario.start))
+    at_rest = robot.rest_state(motion, scenario.start)  # type: ignore[arg-type]
+    t, x = 0.0, system.initialise(0.0, at_rest)
     times, signals, events, evaluations = [], [], [], 0
     while True:
         lift = np.maximum(0.0, _LIFTED - indicators(t, x))

@@ -94,6 +94,7 @@ def result_of(source: str) -> Result:
     result, end = simulate(scenario_of(source))
     if end is not None:
         stop(end)
+    assert result is not None  # it came to its end
     return result
 
 

@@ -62,7 +62,7 @@ def of_samples(samples: "Samples") -> dict[str, Variable]:
         "state_unit": Variable(("state",), np.array(robot.state_units), {"long_name": "Unit"}),
     }
     for name, (unit, text) in descriptions.items():
-        attributes = {"units": unit, "long_name": text}
+        attributes: dict[str, Any] = {"units": unit, "long_name": text}
         variables[name] = Variable(("time", "axis"), getattr(samples, name), attributes)
     variables["states"] = Variable(("time", "state"), samples.state, {"long_name": "States"})
     for element, branches in samples.branches.items():
@@ -143,17 +143,19 @@ def result_from(variables: Mapping[str, np.ndarray], attributes: Mapping[str, An
                 f"expected a run that was recorded in layout {LAYOUT}, got {attributes['layout']}, "
                 f"of version {attributes['version']}"
             )
-        build = {of.name: str(attributes[of.name]) for of in fields(BuildInfo)}
+        build: dict[str, Any] = {of.name: str(attributes[of.name]) for of in fields(BuildInfo)}
         build["available"] = tuple(build["available"].split())
         run = Run(
             recipe.read(str(attributes["experiment"]), str(attributes["scenario"])),
             BuildInfo(**build),
             _core.Trajectory(*(variables[name] for name in _STEPS)),
         )
+        counts = Statistics.__annotations__.items()
+        work = {name: kind(attributes[name]) for name, kind in counts}
         result = Result(
             run,
             Events(_rows("event", variables)),
-            Statistics(**{of.name: of.type(attributes[of.name]) for of in fields(Statistics)}),
+            Statistics(**work),
             float(attributes["t_end"]),
             str(attributes["status"]),
         )

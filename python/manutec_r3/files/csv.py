@@ -35,8 +35,8 @@ def _columns(samples: "Samples", name: str) -> dict[str, np.ndarray]:
     if name == "state":
         names, units = robot.state_names, robot.state_units
     else:
-        names = [f"{name}[{axis}]" for axis in range(1, robot.n_axes + 1)]
-        units = [signal_unit(name)] * robot.n_axes
+        names = tuple(f"{name}[{axis}]" for axis in range(1, robot.n_axes + 1))
+        units = (signal_unit(name),) * robot.n_axes
     titles = [f"{name} [{unit}]" for name, unit in zip(names, units, strict=True)]
     return dict(zip(titles, values.T, strict=True))
 

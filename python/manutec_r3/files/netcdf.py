@@ -1,7 +1,7 @@
 """Results as Datasets of xarray, and as NetCDF4 files by xarray and h5netcdf."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from ..result import Result, Samples
 
-_ENGINE = "h5netcdf"
+_ENGINE: Final = "h5netcdf"
 _COORDINATES = ("time", "axis", "state", "state_unit")
 
 

@@ -1,7 +1,7 @@
 """Results as archives of NumPy, which need nothing else."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from zipfile import BadZipFile
 
 import numpy as np
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def write(path: str | Path, result: "Result") -> None:
     """Write a result; see `Result.save`."""
     variables, attributes = contents.of_result(result)
-    arrays = {name: variable.values for name, variable in variables.items()}
+    arrays: dict[str, Any] = {name: variable.values for name, variable in variables.items()}
     np.savez(path, **arrays, **attributes)
 
 

@@ -21,7 +21,7 @@ from .. import _core
 from ..errors import SimulationError
 from ..events import Event
 from ..records import EventRecord, FinalRecord, Record, RunRecord
-from ..result import Statistics
+from ..result import Result, Statistics
 from ..signals import signal_names
 from .missing import missing
 
@@ -83,14 +83,14 @@ def _schema(record: Record) -> "Schema":
     return pa.schema(columns.items())
 
 
-def _row(run: int, outcome: RunRecord | Exception) -> dict[str, Any]:
+def _row(run: int, outcome: RunRecord | Result | Exception) -> dict[str, Any]:
     """Return the columns of a run that are not empty."""
     row: dict[str, Any] = {"run": run}
     if isinstance(outcome, Exception):
         row["status"] = f"{type(outcome).__name__}: {outcome}"
-        outcome = outcome.result if isinstance(outcome, SimulationError) else None
-        if outcome is None:
+        if not isinstance(outcome, SimulationError) or outcome.result is None:
             return row
+        outcome = outcome.result
     row |= {name: getattr(outcome, name) for name in ("status", "t_end", "method", "rtol")}
     row |= asdict(outcome.statistics)
     if isinstance(outcome, EventRecord):

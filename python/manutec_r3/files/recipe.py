@@ -6,12 +6,12 @@ their place says so when somebody needs it.
 
 import json
 from html import escape
-from typing import Any, NoReturn
+from typing import Any, NoReturn, cast
 
 import numpy as np
 
 from .. import _core, plain
-from ..experiment import Experiment, Setup
+from ..experiment import Experiment, Method, Setup
 from ..inputs import Held, Input, Inputs, input_of
 from ..motion import Motion
 from ..robot import Robot
@@ -52,7 +52,7 @@ def read(text: str, scenario: str) -> Experiment:
             Held(*held),
             data["brakes"],
             start if isinstance(start, str) else np.array(start),
-            _core.Method[data["method"]].name,
+            cast(Method, _core.Method[data["method"]].name),
             data["rtol"],
             data["list_samples"],
         )
