@@ -21,8 +21,8 @@ from matplotlib.patches import Circle, FancyBboxPatch
 from matplotlib.ticker import LogLocator, NullLocator
 
 import manutec_r3 as r3
-from manutec_r3.accuracy import PROMISED
 from manutec_r3.bench.precision import Point, work_precision
+from manutec_r3.comparison.accuracy import PROMISED
 from manutec_r3.plot import figure9, new_figure
 
 PICTURES = Path(__file__).parent / "pictures"

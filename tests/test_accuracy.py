@@ -7,7 +7,7 @@ import pytest
 from oracle_runs import AT_ZERO, ECCENTRIC, RUNS, OracleRun, times_of
 
 import manutec_r3 as r3
-from manutec_r3.accuracy import PROMISED, inside_steps, largest_errors, sequence
+from manutec_r3.comparison.accuracy import PROMISED, inside_steps, largest_errors, sequence
 
 # Whatever is most sensitive: a small torque on a light axis, backlash crossed back and forth, long
 # sticking, torque limits; and options that change the equations. Each ends half a second after its

@@ -13,7 +13,9 @@ import manutec_r3 as r3
 
 # Computed with the original routine R3M2SI (Otter, Tuerk: The DFVLR models 1 and 2 of the Manutec
 # r3 robot, DFVLR-Mitt. 88-13, 1988).
-R3M2SI = json.loads((files(r3) / "references" / "r3m2si.json").read_text())["cases"]
+R3M2SI = json.loads((files("manutec_r3.comparison") / "references" / "r3m2si.json").read_text())[
+    "cases"
+]
 
 ROBOTS = [
     r3.Robot(model=model, load=load)

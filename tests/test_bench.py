@@ -10,9 +10,9 @@ from typer.testing import CliRunner
 
 import manutec_r3 as r3
 from manutec_r3 import _core, bench, command_line
-from manutec_r3.accuracy import sequence
 from manutec_r3.bench import Row, Table, arm, for_markdown, peers, precision, runs
 from manutec_r3.bench.timing import Timing, each_of_many, many, side_by_side
+from manutec_r3.comparison.accuracy import sequence
 from manutec_r3.experiment import Method
 from manutec_r3.inputs import gather
 

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from oracle_runs import RUNS, stored, times_of
 
-import manutec_r3 as r3
-from manutec_r3.accuracy import sequence
+from manutec_r3.comparison.accuracy import sequence
 
 RUN = RUNS["section-10"]
-PRINTED = json.loads((files(r3) / "references" / "figure9_quintic.json").read_text())
+PRINTED = json.loads(
+    (files("manutec_r3.comparison") / "references" / "figure9_quintic.json").read_text()
+)
 
 
 @pytest.fixture(scope="module", params=["exponential", "erk", "bdf"])

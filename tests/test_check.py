@@ -1,7 +1,6 @@
 """`check` passes here, and each of its rows fails when what it expects or computes is falsified."""
 
 import copy
-import sys
 from importlib.resources import files
 
 import numpy as np
@@ -10,8 +9,8 @@ from typer.testing import CliRunner
 
 import manutec_r3 as r3
 from manutec_r3.command_line import app
+from manutec_r3.comparison import checks as module
 
-module = sys.modules["manutec_r3.check"]  # its name in the package is that of the function
 WHAT = (
     *("acceleration", "hold", "control error", "motor torque", "events", "work"),
     *("signals of one-axis", "friction modes of one-axis", "friction modes of full-robot"),
@@ -78,7 +77,10 @@ def test_rows_say_what_was_expected_and_found(rows):
 
 
 def test_every_reference_is_installed_and_says_where_it_comes_from():
-    names = [file.name.removesuffix(".json") for file in (files(r3) / "references").iterdir()]
+    names = [
+        file.name.removesuffix(".json")
+        for file in (files("manutec_r3.comparison") / "references").iterdir()
+    ]
     assert {"r3m2si", "holding", "figure9_quintic", "one_axis", "full_robot"} == set(names)
     for name in names:
         assert module._reference(name)["about"]

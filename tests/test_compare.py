@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from oracle_runs import RUNS, stored
 
 import manutec_r3 as r3
-from manutec_r3.compare import _Traces, _tube
+from manutec_r3.comparison.results import _Traces, _tube
 
 T_END, DURATION = 0.6, 0.4
 END = (0.3, -0.2, 0.4)

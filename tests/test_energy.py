@@ -14,7 +14,7 @@ from independent import IndependentRobot
 from oracle_runs import ECCENTRIC, RUNS
 
 import manutec_r3 as r3
-from manutec_r3.check import work_until
+from manutec_r3.comparison.checks import work_until
 
 # All but the one in which nothing moves, and the one in which no motor works.
 MOVING = [name for name in RUNS if name not in ("3-hold", "4-contact-landing")]

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import manutec_r3 as r3
-from manutec_r3.accuracy import PROMISED, inside_steps, largest_errors, sequence
+from manutec_r3.comparison.accuracy import PROMISED, inside_steps, largest_errors, sequence
 
 LOAD = r3.Load(10.0, (0.03, -0.05, 0.2))
 ROBOTS = {

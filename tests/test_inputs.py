@@ -7,7 +7,7 @@ from oracle_runs import BENT, ECCENTRIC, times_of
 from scipy.linalg import expm
 
 import manutec_r3 as r3
-from manutec_r3.accuracy import sequence
+from manutec_r3.comparison.accuracy import sequence
 
 LOAD = r3.Load(4.0, ECCENTRIC)
 FORCE = np.array([30.0, -20.0, 40.0])  # N

@@ -1,8 +1,8 @@
 """The Modelica variant against an independent implementation and against what is published.
 
 `modelica.py` is that implementation, and says where the stored runs come from. The package carries
-a table of what is published of the one axis, `references/one_axis.json`; the whole published file
-is read where it lies beside the repository.
+a table of what is published of the one axis, `comparison/references/one_axis.json`; the whole
+published file is read where it lies beside the repository.
 """
 
 import csv
@@ -18,10 +18,12 @@ from oracle_runs import times_of
 from scipy.linalg import expm
 
 import manutec_r3 as r3
-from manutec_r3.accuracy import ranges, sequence
+from manutec_r3.comparison.accuracy import ranges, sequence
 
 MODELS = ("full-robot", "one-axis")
-PUBLISHED = json.loads((files(r3) / "references" / "one_axis.json").read_text(encoding="utf-8"))
+PUBLISHED = json.loads(
+    (files("manutec_r3.comparison") / "references" / "one_axis.json").read_text(encoding="utf-8")
+)
 PUBLISHED_FILE = Path(__file__).parents[2] / "shared" / "reference" / "OneAxis.csv"
 # The published run was made with a tolerance of 1e-6: its events are off by up to 1.4e-7 s, its
 # signals by up to 1.1e-6 of their range. About ten times that.

@@ -10,7 +10,7 @@ from oracle_runs import ECCENTRIC, RUNS, SIGNALS, stored, times_of
 from scipy.integrate import solve_ivp
 
 import manutec_r3 as r3
-from manutec_r3.accuracy import ranges, sequence
+from manutec_r3.comparison.accuracy import ranges, sequence
 
 RTOL = 1e-9
 

@@ -26,7 +26,7 @@ from oracle_runs import AT_ZERO, BENT, ECCENTRIC, RUNS, times_of
 from test_energy import balance
 
 import manutec_r3 as r3
-from manutec_r3.accuracy import sequence
+from manutec_r3.comparison.accuracy import sequence
 
 LOAD = r3.Load(8.0, ECCENTRIC)
 THERE = (0.1, -0.2, 0.5, 0.7, -0.3, 0.1)

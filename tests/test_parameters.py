@@ -8,7 +8,7 @@ from oracle_runs import BENT, ECCENTRIC, times_of
 
 import manutec_r3 as r3
 from manutec_r3 import Load, Robot
-from manutec_r3.accuracy import sequence
+from manutec_r3.comparison.accuracy import sequence
 
 MOTION = r3.Quintic(BENT, (0.1, -0.3, 0.6, 0.6, -0.4, 0.0), 0.25)
 LOAD = Load(6.0, ECCENTRIC)

@@ -19,7 +19,7 @@ from oracle_runs import times_of
 
 import manutec_r3 as r3
 from manutec_r3 import processor
-from manutec_r3.accuracy import ranges, sequence
+from manutec_r3.comparison.accuracy import ranges, sequence
 
 CPU = Path("/proc/cpuinfo")
 

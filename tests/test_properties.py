@@ -19,7 +19,7 @@ from independent import (
 from oracle_runs import OracleRun, times_of
 
 import manutec_r3 as r3
-from manutec_r3.accuracy import sequence
+from manutec_r3.comparison.accuracy import sequence
 
 # Reproducible, and for each model as many examples as fit in a few seconds.
 few = settings(max_examples=8, deadline=None, derandomize=True)

@@ -19,7 +19,7 @@ from independent import (
 from oracle_runs import ECCENTRIC, RUNS, times_of
 
 import manutec_r3 as r3
-from manutec_r3.accuracy import ranges, sequence
+from manutec_r3.comparison.accuracy import ranges, sequence
 
 # Runs with much sticking and sliding, two of them with six axes.
 LIVELY = ["section-10", "3-quintic", "3-hold-disturbed", "3-saturated", "4-quintic"]

@@ -15,16 +15,21 @@ All quantities are in SI units; axes are counted from 1. Examples in docstrings 
 
 from . import plot
 from .build_info import BuildInfo, build_info
-from .check import Check, check
-from .compare import Comparison, CurveComparison, compare
-from .compare_events import EventComparison, compare_events
+from .comparison import (
+    Check,
+    Comparison,
+    CurveComparison,
+    EventComparison,
+    check,
+    compare,
+    compare_events,
+)
 from .errors import SimulationError, SimulationInterrupted
 from .events import Event, Events
 from .inputs import Input
 from .limits import LimitExcess
-from .many import Results, simulate_many
+from .many_runs import EventRecord, FinalRecord, PeakRecord, Results, simulate_many
 from .motion import FunctionMotion, Hold, Motion, Quintic, Sequence, Spline, Trapezoid
-from .records import EventRecord, FinalRecord, PeakRecord
 from .result import Result, Samples, Statistics
 from .robot import Load, Robot
 from .scenario import Scenario, scenarios

@@ -15,7 +15,7 @@ import numpy as np
 import manutec_r3 as r3
 
 from .. import _core
-from ..accuracy import PROMISED, Recorded, inside_steps, largest_errors, sequence
+from ..comparison.accuracy import PROMISED, Recorded, inside_steps, largest_errors, sequence
 from ..events import Event
 from ..experiment import Method
 from ..result import Result
@@ -121,7 +121,7 @@ def full_robot(repeats: int) -> Table:
     table = _methods(
         "full-robot", "FullRobot of the Modelica variant", Scenario.load("full-robot"), repeats
     )
-    reference = files(r3) / "references" / "full_robot.json"
+    reference = files("manutec_r3.comparison") / "references" / "full_robot.json"
     published = json.loads(reference.read_text(encoding="utf-8"))["published_work"]
     seconds = published["seconds"]
     row = Row(published["by"], Timing(seconds, seconds), published["work"])

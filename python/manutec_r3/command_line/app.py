@@ -94,7 +94,6 @@ def result_of(source: str) -> Result:
     result, end = simulate(scenario_of(source))
     if end is not None:
         stop(end)
-    assert result is not None  # it came to its end
     return result
 
 
@@ -106,13 +105,13 @@ def stop(end: SimulationError | SimulationInterrupted, remark: str = "") -> NoRe
 
 def simulate(
     scenario: Scenario, **overrides: Any
-) -> tuple[Result | None, SimulationError | SimulationInterrupted | None]:
-    """Simulate, with a progress bar if someone watches.
+) -> tuple[Result, SimulationError | SimulationInterrupted | None]:
+    """Simulate, with a progress bar if someone watches, or end because it could not begin.
 
     Returns
     -------
-    result : Result or None
-        As far as it came; None if it could not begin.
+    result : Result
+        As far as it came.
     end : SimulationError or SimulationInterrupted or None
         Why it ended before its time, if it did.
     """
@@ -121,6 +120,8 @@ def simulate(
         with _Bar(scenario) as bar:
             return scenario.run(progress=bar.update, **given), None
     except (SimulationError, SimulationInterrupted) as end:
+        if end.result is None:
+            stop(end)
         return end.result, end
     except (TypeError, ValueError) as error:
         fail(f"{scenario.name}: {error}")

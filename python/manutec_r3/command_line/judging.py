@@ -9,9 +9,9 @@ from rich.markup import escape
 from rich.table import Table
 
 from ..bench import PARTS, for_markdown, for_terminal, machine
-from ..check import Check
-from ..check import check as compute_checks
-from ..compare import compare as compare_results
+from ..comparison import Check
+from ..comparison import check as compute_checks
+from ..comparison import compare as compare_results
 from .app import (
     ANSWER_IS_NO,
     JsonOption,

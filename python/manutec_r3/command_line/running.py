@@ -47,8 +47,6 @@ def run(
     """
     experiment = scenario_of(scenario)
     result, end = simulate(experiment, rtol=rtol, method=method)
-    if result is None:
-        stop(end)
     try:
         files, missing = _write(experiment, result, output or Path(experiment.name))
     except OSError as error:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 from .. import _core
 from ..errors import SimulationError
 from ..events import Event
-from ..records import EventRecord, FinalRecord, Record, RunRecord
+from ..many_runs.records import EventRecord, FinalRecord, Record, RunRecord
 from ..result import Result, Statistics
 from ..signals import signal_names
 from .missing import missing

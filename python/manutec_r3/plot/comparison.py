@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..compare import Comparison, CurveComparison
+    from ..comparison import Comparison, CurveComparison
 
 
 def comparison(
@@ -61,7 +61,7 @@ def comparison(
     ImportError
         If Matplotlib is not installed.
     """
-    from ..compare import Comparison  # which draws itself by this function
+    from ..comparison import Comparison  # which draws itself by this function
 
     if not isinstance(compared, Comparison):
         raise TypeError(f"compared: expected what `compare` returns, got {compared!r}")

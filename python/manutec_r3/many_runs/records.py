@@ -5,12 +5,12 @@ from typing import Literal
 
 import numpy as np
 
-from .events import Events
-from .experiment import Method
-from .motion import Motion
-from .result import Statistics
-from .robot import Robot
-from .signals import Signals, signal_names
+from ..events import Events
+from ..experiment import Method
+from ..motion import Motion
+from ..result import Statistics
+from ..robot import Robot
+from ..signals import Signals, signal_names
 
 Record = Literal["all", "events", "final", "peaks"]
 

@@ -18,18 +18,18 @@ from typing import (
 
 import numpy as np
 
-from . import _core
-from .arguments import Floats
-from .errors import SimulationError
-from .events import Event, Events
-from .experiment import Experiment, Method
-from .files import parquet
-from .motion import Motion
+from .. import _core
+from ..arguments import Floats
+from ..errors import SimulationError
+from ..events import Event, Events
+from ..experiment import Experiment, Method
+from ..files import parquet
+from ..motion import Motion
+from ..result import Result, Statistics
+from ..robot import Robot
+from ..scenario import Scenario
+from ..simulation import InputLike, result_of, set_up, span
 from .records import EventRecord, FinalRecord, PeakRecord, Record
-from .result import Result, Statistics
-from .robot import Robot
-from .scenario import Scenario
-from .simulation import InputLike, result_of, set_up, span
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .files import parquet
+from ..files import parquet
 from .many import Results, carrying, simulate_many
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .signals import signal_names, signal_unit
+from ..signals import signal_names, signal_unit
 
 # A signal or the quantity of a state, and the axis that it belongs to.
 CurveName = tuple[str, int]

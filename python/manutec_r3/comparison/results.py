@@ -15,14 +15,14 @@ from pathlib import Path
 
 import numpy as np
 
-from . import plot as pictures
-from .arguments import number
-from .compare_events import EventComparison, compare_events
-from .events import Events
-from .reference_curves import CurveName, read_curves
-from .result import Result, Samples
-from .robot import Robot
-from .signals import signal_names, signal_unit
+from .. import plot as pictures
+from ..arguments import number
+from ..events import Events
+from ..result import Result, Samples
+from ..robot import Robot
+from ..signals import signal_names, signal_unit
+from .curves import CurveName, read_curves
+from .events import EventComparison, compare_events
 
 # What moves less is at rest: its range counts as this much in SI units. Of a robot that holds still
 # the tolerance of the integrator leaves 1e-6 rad/s^2 and 1e-6 N m, half of the tube's 2e-6.

@@ -5,8 +5,8 @@ from typing import Protocol
 
 import numpy as np
 
-from .events import Event
-from .result import Result
+from ..events import Event
+from ..result import Result
 
 # What a tolerance promises, with the same events: errors of these signals below `PROMISED`.
 JUDGED = ("control_error", "motor_torque")

@@ -10,8 +10,8 @@ from itertools import pairwise, zip_longest
 
 import numpy as np
 
-from .arguments import number
-from .events import Event, Events
+from ..arguments import number
+from ..events import Event, Events
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .arguments import Floats
-from .compare import curve_of
-from .result import Result, Samples
-from .robot import Load, Robot
-from .scenario import Scenario
+from ..arguments import Floats
+from ..result import Result, Samples
+from ..robot import Load, Robot
+from ..scenario import Scenario
+from .results import curve_of
 
 _FOLDER = files(__package__) / "references"
 
