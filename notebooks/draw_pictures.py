@@ -6,6 +6,7 @@ the report: a left superscript `a` means the side of the arm, `r` the side of th
 `precision.png` shows what a tolerance means and what it costs, for each method; its times are those
 of the machine that draws it, relative to each other.
 `animation.png` is what `Result.animate` writes, as Chromium shows it; without one it is left out.
+`icon.png`, in the package, is what importers show of an exported robot.
 """
 
 import shutil
@@ -26,6 +27,7 @@ from manutec_r3.comparison.accuracy import PROMISED
 from manutec_r3.plot import figure9, new_figure
 
 PICTURES = Path(__file__).parent / "pictures"
+ICON = Path(__file__).parents[1] / "python/manutec_r3/export/icon.png"
 
 TEXT = "#333a42"
 LINE = "#5d6771"
@@ -313,6 +315,24 @@ def precision(points: list[Point]) -> Figure:
     return figure
 
 
+def icon() -> Figure:
+    """Draw the arm, as exported FMUs show it."""
+    figure = Figure(figsize=(1.0, 1.0))
+    panel = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    robot = r3.Robot(model=1)
+    places = robot.link_poses([0.0, -0.7, -1.1, 0.0, -0.5, 0.0])[:, [1, 2], 3]
+    tip = places[-1] + 1.4 * (places[-1] - places[-2]) * 0.25
+    height = robot.parameters["table_3"]["shoulder_height"]
+    chain = np.array([[0.0, 0.15 - height], *places[1:], tip])
+    panel.plot(*chain.T, color=COLOURS["erk"], linewidth=7.0, solid_capstyle="round")
+    panel.plot(*chain[1:-1].T, "o", color=COLOURS["bdf"], markersize=5.0)
+    panel.plot([-0.4, 0.4], [-height, -height], color=TEXT, linewidth=4.0)
+    panel.set_aspect("equal", adjustable="datalim")
+    panel.margins(0.12)
+    panel.set_axis_off()
+    return figure
+
+
 def photograph(result: r3.Result, time: float, path: Path) -> None:
     """Write how the page of a run looks at an instant [s]."""
     with TemporaryDirectory() as folder:
@@ -334,6 +354,7 @@ def photograph(result: r3.Result, time: float, path: Path) -> None:
 
 def main(folder: Path = PICTURES, repeats: int = 15) -> None:
     """Write all pictures; times are the least of so many repeats."""
+    icon().savefig(ICON, dpi=128, transparent=True)
     # Words as outlines look the same everywhere; without salt and date so does the file.
     with mpl.rc_context({"svg.fonttype": "path", "svg.hashsalt": "blocks", "path.simplify": True}):
         blocks().savefig(folder / "blocks.svg", transparent=True, metadata={"Date": None})

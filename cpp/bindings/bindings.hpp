@@ -39,6 +39,7 @@ void register_system(py::module_& module);
 void register_simulator(py::module_& module);
 void register_trajectory(py::module_& module);
 void register_many(py::module_& module);
+void register_fmu(py::module_& module);
 void register_build(py::module_& module);
 
 }  // namespace manutec_r3::bindings

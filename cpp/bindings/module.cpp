@@ -17,5 +17,6 @@ PYBIND11_MODULE(MANUTEC_R3_MODULE, module) {
   register_simulator(module);
   register_trajectory(module);
   register_many(module);
+  register_fmu(module);
   register_build(module);
 }

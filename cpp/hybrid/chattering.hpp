@@ -15,12 +15,16 @@ class ChatteringGuard {
   // Whether this event of an element is one too many.
   bool exceeded(Element element, double t);
 
- private:
   struct History {
     int at_this_instant = 0;
     std::vector<double> recent;  // instants, a ring
     std::size_t oldest = 0;
   };
+  // All that it knows, to be saved.
+  std::map<Element, History>& histories() { return histories_; }
+  const std::map<Element, History>& histories() const { return histories_; }
+
+ private:
   std::map<Element, History> histories_;
 };
 

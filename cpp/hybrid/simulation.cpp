@@ -52,9 +52,11 @@ Simulation::Simulation(System& system, Integrator& integrator, double t, std::ve
 
 void Simulation::advance(double target, Stop stop, Target at_target,
                          const std::function<void(double)>& look_up) {
+  bool moved = false;
   for (;;) {
-    if (now_.event && now_.time == now_.step.t1) {
+    if (is_event_due()) {
       if (now_.time >= target && at_target == Target::excluded) return;
+      if (moved && stop == Stop::before_event) return;
       const std::size_t events_before = events_.size();
       handle_event(false);
       if (stop == Stop::at_first_event && events_.size() > events_before) return;
@@ -63,6 +65,7 @@ void Simulation::advance(double target, Stop stop, Target at_target,
     } else {
       if (now_.time == now_.step.t1) advance_front();
       now_.time = std::min(now_.step.t1, target);
+      moved = true;
       if (look_up) look_up(now_.time);
     }
   }
@@ -73,7 +76,7 @@ void Simulation::change_input(const std::function<void()>& set) {
   try {
     now_.x = state();  // with the old input
     // An event that is due at this very instant is part of the same decision.
-    const bool due = now_.event && now_.time == now_.step.t1;
+    const bool due = is_event_due();
     if (!due) {
       now_.fired.clear();
       now_.time_event = false;

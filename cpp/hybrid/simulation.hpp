@@ -55,7 +55,8 @@ struct Statistics {
 
 class Simulation {
  public:
-  enum class Stop { at_target, at_first_event };
+  // With an event: after it has been handled; or before, and the next call handles it.
+  enum class Stop { at_target, at_first_event, before_event };
   enum class Target { included, excluded };  // whether events at the target itself are handled
 
   enum class Routine { counted, listed };  // what becomes of events that come as a matter of course
@@ -65,7 +66,8 @@ class Simulation {
   Simulation(System& system, Integrator& integrator, double t, std::vector<double> x,
              Trajectory* trajectory = nullptr, Routine routine = Routine::counted);
 
-  // Advances to `target`, or to the first instant with a logged event. Throws SimulationFailure.
+  // Advances to `target`, or to the first instant with an event (if it is handled, a logged one).
+  // Throws SimulationFailure.
   // `look_up` is called after every step with the time; it may throw.
   void advance(double target, Stop stop, Target at_target,
                const std::function<void(double)>& look_up = {});
@@ -75,6 +77,8 @@ class Simulation {
   void change_input(const std::function<void()>& set);
 
   double time() const { return now_.time; }
+  // Whether an event at the present time has not been handled yet.
+  bool is_event_due() const { return now_.event && now_.time == now_.step.t1; }
   // The state at the present time, after its events.
   std::vector<double> state();
   // The events of all instants so far.

@@ -69,6 +69,8 @@ class Motion {
   Motion(std::vector<double> start, std::vector<Piece> pieces, double duration);
 
   int n_axes() const { return static_cast<int>(start_.size()); }
+  std::span<const double> start() const { return start_; }  // [rad]
+  std::span<const Piece> pieces() const { return pieces_; }
   // Instants [s] at which the motion is not smooth.
   std::span<const double> knots() const { return knots_; }
   // When the motion has come to its end, to rest for good [s].

@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "hybrid/system.hpp"
@@ -37,6 +38,13 @@ class RobotSystem : public hybrid::System {
   virtual void signals(double t, const double* x, double* values) = 0;
   // The same of Energy, from the signals in the same state; never missing.
   virtual void energies(const double* x, const double* signals, double* values) = 0;
+
+  // What indicators are about, in their order: for each axis two, upper and lower side.
+  struct IndicatorRow {
+    std::string_view name;
+    double magnitude;  // what they are divided by to be of the order of 1
+  };
+  virtual std::span<const IndicatorRow> indicator_rows() const = 0;
 
   // The branch of an element on an axis (0-based), 0 if the axis has no such element.
   virtual int branch(ElementKind kind, int axis) const = 0;

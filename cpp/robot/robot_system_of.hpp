@@ -119,6 +119,19 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
     return {.axis = place.axis + 1, .kind = kinds[place.row]};
   }
 
+  std::span<const IndicatorRow> indicator_rows() const override {
+    static constexpr std::array<IndicatorRow, Indicators::n_rows> rows = {{
+        {"dead_zone", 0.1},         // [V]
+        {"torque_limit", 10.0},     // [N m]
+        {"backlash", 0.1},          // [rad]
+        {"friction", 1.0},          // [rad/s], or [N m] of what sticks
+        {"friction_piece", 100.0},  // [rad/s]
+        {"creep", 1.0},             // [rad/s]
+        {"voltage_limit", 10.0},    // [V]
+    }};
+    return std::span(rows).first(indicators_.size() / (Indicators::n_edges * N));
+  }
+
   std::string describe(hybrid::Element element) const override {
     std::string name(element_names[element.kind]);
     std::ranges::replace(name, '_', ' ');

@@ -292,6 +292,34 @@ def evaluate_energies(
 ) -> _Floats:
     """Energies (n_energies, n, N) in given states (n, n_states) with signals (n_signals, n, N)."""
 
+# Export.
+
+class FmuRecipe:
+    def __init__(
+        self,
+        robot: Robot,
+        motion: Motion | None,
+        reference_is_input: bool,
+        start: str | _Floats,
+        input: _Floats,
+        tip_force: Sequence[float],
+        brakes: Sequence[bool],
+        method: Method,
+        relative_tolerance: float,
+        /,
+    ) -> None: ...
+    @property
+    def text(self) -> str:
+        """The resources of the FMU."""
+
+    @property
+    def variables(
+        self,
+    ) -> list[
+        tuple[str, str, str, str, tuple[int, ...], int, list[float], list[float], int | None]
+    ]:
+        """Name, unit, text, group, shape, value reference, start, nominal values, its state."""
+
 # Many runs.
 
 class Run:

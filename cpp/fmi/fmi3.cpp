@@ -1,0 +1,478 @@
+// The C interface of FMI 3.0: each function says who may call it when, and hands over.
+#include <fmi3Functions.h>
+
+#include <algorithm>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fmi/component.hpp"
+
+namespace {
+
+using namespace manutec_r3;
+using fmi::Component;
+using fmu::Kind;
+using Elements = Component::Elements;
+using Type = Component::Type;
+
+struct Instance3 final : Component {
+  using Component::Component;
+
+  bool event_mode_used = false;
+  bool early_return_allowed = false;
+  fmi3InstanceEnvironment environment = nullptr;
+  fmi3IntermediateUpdateCallback intermediate_update = nullptr;
+  bool in_intermediate_update = false;
+};
+
+fmi3Status as_fmi3(fmi::Status status) { return static_cast<fmi3Status>(status); }
+
+template <class... Arguments>
+fmi3Status call(fmi3Instance instance, Arguments&&... arguments) {
+  if (instance == nullptr) return fmi3Error;
+  return as_fmi3(static_cast<Instance3*>(instance)->call(std::forward<Arguments>(arguments)...));
+}
+
+Instance3& of(fmi3Instance instance) { return *static_cast<Instance3*>(instance); }
+
+fmi3Instance instantiate(Kind kind, fmi3String token, fmi3String resources, bool logging,
+                         fmi3InstanceEnvironment environment, fmi3LogMessageCallback tell) {
+  const auto log = [environment, tell](fmi::Status status, const char* category,
+                                       const std::string& message) {
+    if (tell != nullptr) tell(environment, as_fmi3(status), category, message.c_str());
+  };
+  try {
+    auto instance = std::make_unique<Instance3>(resources != nullptr ? resources : "",
+                                                token != nullptr ? token : "", kind, log);
+    instance->set_logging(logging, {});
+    instance->environment = environment;
+    return instance.release();
+  } catch (const std::exception& error) {
+    log(fmi::Status::error, fmi::log_error, error.what());
+    return nullptr;
+  }
+}
+
+// A function that some FMUs have and this one has nothing to do for.
+fmi3Status refuse(fmi3Instance instance, const char* function, const char* reason) {
+  if (instance == nullptr) return fmi3Error;
+  return as_fmi3(of(instance).refuse(function, reason));
+}
+
+}  // namespace
+
+extern "C" {
+
+// --- common functions ---------------------------------------------------------------------------
+
+const char* fmi3GetVersion() { return fmi3Version; }
+
+fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t n,
+                               const fmi3String categories[]) {
+  return call(instance, "fmi3SetDebugLogging", fmi::any_phase,
+              [&] { of(instance).set_logging(on, {categories, categories + n}); });
+}
+
+fmi3Instance fmi3InstantiateModelExchange(fmi3String, fmi3String token, fmi3String resources,
+                                          fmi3Boolean, fmi3Boolean logging,
+                                          fmi3InstanceEnvironment environment,
+                                          fmi3LogMessageCallback log) {
+  return instantiate(Kind::model_exchange, token, resources, logging, environment, log);
+}
+
+fmi3Instance fmi3InstantiateCoSimulation(
+    fmi3String, fmi3String token, fmi3String resources, fmi3Boolean, fmi3Boolean logging,
+    fmi3Boolean event_mode_used, fmi3Boolean early_return_allowed, const fmi3ValueReference[],
+    size_t, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
+    fmi3IntermediateUpdateCallback intermediate_update) {
+  fmi3Instance instance =
+      instantiate(Kind::co_simulation, token, resources, logging, environment, log);
+  if (instance == nullptr) return nullptr;
+  of(instance).event_mode_used = event_mode_used;
+  of(instance).early_return_allowed = early_return_allowed;
+  of(instance).intermediate_update = intermediate_update;
+  return instance;
+}
+
+fmi3Instance fmi3InstantiateScheduledExecution(fmi3String, fmi3String, fmi3String, fmi3Boolean,
+                                               fmi3Boolean, fmi3InstanceEnvironment environment,
+                                               fmi3LogMessageCallback log, fmi3ClockUpdateCallback,
+                                               fmi3LockPreemptionCallback,
+                                               fmi3UnlockPreemptionCallback) {
+  if (log != nullptr) {
+    log(environment, fmi3Error, fmi::log_error,
+        "fmi3InstantiateScheduledExecution: expected Model Exchange or Co-Simulation");
+  }
+  return nullptr;
+}
+
+void fmi3FreeInstance(fmi3Instance instance) { delete static_cast<Instance3*>(instance); }
+
+fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolerance_defined,
+                                       fmi3Float64 tolerance, fmi3Float64 start_time,
+                                       fmi3Boolean stop_time_defined, fmi3Float64 stop_time) {
+  return call(instance, "fmi3EnterInitializationMode", fmi::instantiated, [&] {
+    of(instance).begin_initialisation(tolerance_defined ? std::optional(tolerance) : std::nullopt,
+                                      start_time,
+                                      stop_time_defined ? std::optional(stop_time) : std::nullopt);
+  });
+}
+
+fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
+  return call(instance, "fmi3ExitInitializationMode", fmi::initialisation, [&] {
+    const bool steps = of(instance).kind == Kind::co_simulation && !of(instance).event_mode_used;
+    of(instance).end_initialisation(steps ? fmi::step_mode : fmi::event_mode);
+  });
+}
+
+fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
+  return call(instance, "fmi3EnterEventMode", fmi::continuous_time | fmi::step_mode, [&] {
+    Instance3& now = of(instance);
+    if (now.kind == Kind::model_exchange) {
+      now.instance->enter_event();
+    } else if (!now.event_mode_used) {
+      throw std::invalid_argument("the instance was created without event mode");
+    }
+    now.phase = fmi::event_mode;
+  });
+}
+
+fmi3Status fmi3Terminate(fmi3Instance instance) {
+  return call(instance, "fmi3Terminate", fmi::initialised,
+              [&] { of(instance).phase = fmi::terminated; });
+}
+
+fmi3Status fmi3Reset(fmi3Instance instance) {
+  return call(instance, "fmi3Reset", fmi::any_phase, [&] { of(instance).reset(); });
+}
+
+// --- values -------------------------------------------------------------------------------------
+
+fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference references[], size_t n,
+                          fmi3Float64 values[], size_t n_values) {
+  return call(instance, "fmi3GetFloat64", fmi::any_phase, [&] {
+    const auto ranges = of(instance).ranges({references, n}, Elements::whole, Type::real, n_values);
+    of(instance).get(ranges, values);
+  });
+}
+
+fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference references[], size_t n,
+                          const fmi3Float64 values[], size_t n_values) {
+  return call(instance, "fmi3SetFloat64",
+              fmi::instantiated | fmi::initialisation | fmi::initialised, [&] {
+                if (of(instance).in_intermediate_update) {
+                  throw std::invalid_argument("inputs are held until the step has ended");
+                }
+                const auto ranges =
+                    of(instance).ranges({references, n}, Elements::whole, Type::real, n_values);
+                of(instance).set(ranges, values);
+              });
+}
+
+fmi3Status fmi3GetInt32(fmi3Instance instance, const fmi3ValueReference references[], size_t n,
+                        fmi3Int32 values[], size_t n_values) {
+  return call(instance, "fmi3GetInt32", fmi::any_phase, [&] {
+    const auto ranges =
+        of(instance).ranges({references, n}, Elements::whole, Type::integer, n_values);
+    std::vector<double> numbers(n_values);
+    of(instance).get(ranges, numbers.data());
+    std::ranges::transform(numbers, values,
+                           [](double number) { return static_cast<fmi3Int32>(number); });
+  });
+}
+
+// Types that no variable has.
+#define MANUTEC_R3_NO_VARIABLES(type)                                                             \
+  fmi3Status fmi3Get##type(fmi3Instance instance, const fmi3ValueReference*, size_t, fmi3##type*, \
+                           size_t) {                                                              \
+    return refuse(instance, "fmi3Get" #type, "expected Float64 or Int32, no variable is " #type); \
+  }                                                                                               \
+  fmi3Status fmi3Set##type(fmi3Instance instance, const fmi3ValueReference*, size_t,              \
+                           const fmi3##type*, size_t) {                                           \
+    return refuse(instance, "fmi3Set" #type,                                                      \
+                  "expected Float64, no variable that can be set is " #type);                     \
+  }
+MANUTEC_R3_NO_VARIABLES(Float32)
+MANUTEC_R3_NO_VARIABLES(Int8)
+MANUTEC_R3_NO_VARIABLES(UInt8)
+MANUTEC_R3_NO_VARIABLES(Int16)
+MANUTEC_R3_NO_VARIABLES(UInt16)
+MANUTEC_R3_NO_VARIABLES(UInt32)
+MANUTEC_R3_NO_VARIABLES(Int64)
+MANUTEC_R3_NO_VARIABLES(UInt64)
+MANUTEC_R3_NO_VARIABLES(Boolean)
+MANUTEC_R3_NO_VARIABLES(String)
+#undef MANUTEC_R3_NO_VARIABLES
+
+fmi3Status fmi3SetInt32(fmi3Instance instance, const fmi3ValueReference*, size_t, const fmi3Int32*,
+                        size_t) {
+  return refuse(instance, "fmi3SetInt32", "expected Float64, no variable that can be set is Int32");
+}
+
+fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference*, size_t, size_t*,
+                         fmi3Binary*, size_t) {
+  return refuse(instance, "fmi3GetBinary", "expected Float64 or Int32, no variable is Binary");
+}
+
+fmi3Status fmi3SetBinary(fmi3Instance instance, const fmi3ValueReference*, size_t, const size_t*,
+                         const fmi3Binary*, size_t) {
+  return refuse(instance, "fmi3SetBinary", "expected Float64, no variable is Binary");
+}
+
+fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance instance, fmi3ValueReference, size_t*) {
+  return refuse(instance, "fmi3GetNumberOfVariableDependencies",
+                "what depends on what does not change with the parameters");
+}
+
+fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference, size_t*,
+                                       fmi3ValueReference*, size_t*, fmi3DependencyKind*, size_t) {
+  return refuse(instance, "fmi3GetVariableDependencies",
+                "what depends on what does not change with the parameters");
+}
+
+// --- the state of the FMU -----------------------------------------------------------------------
+
+fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState* state) {
+  return call(instance, "fmi3GetFMUState", fmi::any_phase & ~fmi::failed, [&] {
+    auto saved = of(instance).save();
+    if (*state == nullptr) {
+      *state = new fmu::SavedState(std::move(saved));
+    } else {
+      *static_cast<fmu::SavedState*>(*state) = std::move(saved);
+    }
+  });
+}
+
+fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState state) {
+  return call(instance, "fmi3SetFMUState", fmi::any_phase, [&] {
+    if (state == nullptr) throw std::invalid_argument("state: expected one, got none");
+    of(instance).restore(*static_cast<fmu::SavedState*>(state));
+  });
+}
+
+fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState* state) {
+  return call(instance, "fmi3FreeFMUState", fmi::any_phase, [&] {
+    if (state == nullptr) return;
+    delete static_cast<fmu::SavedState*>(*state);
+    *state = nullptr;
+  });
+}
+
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state, size_t* size) {
+  return call(instance, "fmi3SerializedFMUStateSize", fmi::any_phase,
+              [&] { *size = bytes_of(*static_cast<fmu::SavedState*>(state)).size(); });
+}
+
+fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state, fmi3Byte bytes[],
+                                 size_t size) {
+  return call(instance, "fmi3SerializeFMUState", fmi::any_phase, [&] {
+    const auto written = bytes_of(*static_cast<fmu::SavedState*>(state));
+    Component::expect("bytes", written.size(), size);
+    std::ranges::copy(written, bytes);
+  });
+}
+
+fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[], size_t size,
+                                   fmi3FMUState* state) {
+  return call(instance, "fmi3DeserializeFMUState", fmi::any_phase, [&] {
+    auto saved = fmu::saved_state_from({bytes, size});
+    if (*state == nullptr) {
+      *state = new fmu::SavedState(std::move(saved));
+    } else {
+      *static_cast<fmu::SavedState*>(*state) = std::move(saved);
+    }
+  });
+}
+
+// --- derivatives --------------------------------------------------------------------------------
+
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
+                                        size_t n_unknowns, const fmi3ValueReference knowns[],
+                                        size_t n_knowns, const fmi3Float64 seed[], size_t n_seed,
+                                        fmi3Float64 sensitivity[], size_t n_sensitivity) {
+  return call(instance, "fmi3GetDirectionalDerivative", Kind::model_exchange, fmi::initialised,
+              [&] {
+                Instance3& now = of(instance);
+                now.directional_derivative(
+                    now.ranges({unknowns, n_unknowns}, Elements::whole, {}, n_sensitivity),
+                    now.ranges({knowns, n_knowns}, Elements::whole, {}, n_seed), {seed, n_seed},
+                    {sensitivity, n_sensitivity});
+              });
+}
+
+fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference*, size_t,
+                                    const fmi3ValueReference*, size_t, const fmi3Float64*, size_t,
+                                    fmi3Float64*, size_t) {
+  return refuse(instance, "fmi3GetAdjointDerivative", "expected directional derivatives");
+}
+
+fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference*, size_t,
+                                    const fmi3Int32*, fmi3Float64*, size_t) {
+  return refuse(instance, "fmi3GetOutputDerivatives",
+                "rates and accelerations are outputs of their own");
+}
+
+// --- modes and clocks that this FMU does not have -----------------------------------------------
+
+fmi3Status fmi3EnterConfigurationMode(fmi3Instance instance) {
+  return refuse(instance, "fmi3EnterConfigurationMode", "there are no structural parameters");
+}
+
+fmi3Status fmi3ExitConfigurationMode(fmi3Instance instance) {
+  return refuse(instance, "fmi3ExitConfigurationMode", "there are no structural parameters");
+}
+
+#define MANUTEC_R3_NO_CLOCKS(name, ...)                                        \
+  fmi3Status fmi3##name(fmi3Instance instance, __VA_ARGS__) {                  \
+    return refuse(instance, "fmi3" #name, "expected time events, not clocks"); \
+  }
+MANUTEC_R3_NO_CLOCKS(GetClock, const fmi3ValueReference*, size_t, fmi3Clock*)
+MANUTEC_R3_NO_CLOCKS(SetClock, const fmi3ValueReference*, size_t, const fmi3Clock*)
+MANUTEC_R3_NO_CLOCKS(GetIntervalDecimal, const fmi3ValueReference*, size_t, fmi3Float64*,
+                     fmi3IntervalQualifier*)
+MANUTEC_R3_NO_CLOCKS(GetIntervalFraction, const fmi3ValueReference*, size_t, fmi3UInt64*,
+                     fmi3UInt64*, fmi3IntervalQualifier*)
+MANUTEC_R3_NO_CLOCKS(GetShiftDecimal, const fmi3ValueReference*, size_t, fmi3Float64*)
+MANUTEC_R3_NO_CLOCKS(GetShiftFraction, const fmi3ValueReference*, size_t, fmi3UInt64*, fmi3UInt64*)
+MANUTEC_R3_NO_CLOCKS(SetIntervalDecimal, const fmi3ValueReference*, size_t, const fmi3Float64*)
+MANUTEC_R3_NO_CLOCKS(SetIntervalFraction, const fmi3ValueReference*, size_t, const fmi3UInt64*,
+                     const fmi3UInt64*)
+MANUTEC_R3_NO_CLOCKS(SetShiftDecimal, const fmi3ValueReference*, size_t, const fmi3Float64*)
+MANUTEC_R3_NO_CLOCKS(SetShiftFraction, const fmi3ValueReference*, size_t, const fmi3UInt64*,
+                     const fmi3UInt64*)
+MANUTEC_R3_NO_CLOCKS(ActivateModelPartition, fmi3ValueReference, fmi3Float64)
+#undef MANUTEC_R3_NO_CLOCKS
+
+// --- events -------------------------------------------------------------------------------------
+
+fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance) {
+  // Every branch is decided by fmi3UpdateDiscreteStates, for good.
+  return call(instance, "fmi3EvaluateDiscreteStates", fmi::initialisation | fmi::event_mode, [] {});
+}
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean* need_update,
+                                    fmi3Boolean* terminate, fmi3Boolean* nominals_changed,
+                                    fmi3Boolean* states_changed, fmi3Boolean* next_defined,
+                                    fmi3Float64* next) {
+  return call(instance, "fmi3UpdateDiscreteStates", fmi::event_mode, [&] {
+    const auto update = of(instance).instance->update_discrete_states();
+    *need_update = *terminate = *nominals_changed = fmi3False;
+    *states_changed = update.states_changed;
+    *next_defined = update.next_time_event < hybrid::never;
+    *next = *next_defined ? update.next_time_event : 0.0;
+  });
+}
+
+// --- Model Exchange -----------------------------------------------------------------------------
+
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance) {
+  return call(instance, "fmi3EnterContinuousTimeMode", Kind::model_exchange, fmi::event_mode,
+              [&] { of(instance).phase = fmi::continuous_time; });
+}
+
+fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean,
+                                       fmi3Boolean* enter_event_mode, fmi3Boolean* terminate) {
+  return call(instance, "fmi3CompletedIntegratorStep", Kind::model_exchange, fmi::continuous_time,
+              [&] { *enter_event_mode = *terminate = fmi3False; });
+}
+
+fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time) {
+  return call(instance, "fmi3SetTime", Kind::model_exchange, fmi::event_mode | fmi::continuous_time,
+              [&] { of(instance).set_time(time); });
+}
+
+fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 states[], size_t n) {
+  return call(instance, "fmi3SetContinuousStates", Kind::model_exchange, fmi::continuous_time,
+              [&] { of(instance).set_states({states, n}); });
+}
+
+fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 derivatives[],
+                                             size_t n) {
+  return call(instance, "fmi3GetContinuousStateDerivatives", Kind::model_exchange,
+              fmi::initialisation | fmi::event_mode | fmi::continuous_time | fmi::terminated,
+              [&] { of(instance).derivatives({derivatives, n}); });
+}
+
+fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 indicators[], size_t n) {
+  return call(instance, "fmi3GetEventIndicators", Kind::model_exchange,
+              fmi::initialisation | fmi::event_mode | fmi::continuous_time | fmi::terminated, [&] {
+                Component::expect("indicators", of(instance).instance->n_indicators(), n);
+                of(instance).instance->indicators({indicators, n});
+              });
+}
+
+fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 states[], size_t n) {
+  return call(instance, "fmi3GetContinuousStates", Kind::model_exchange,
+              fmi::initialisation | fmi::event_mode | fmi::continuous_time | fmi::terminated, [&] {
+                Component::expect("states", of(instance).instance->n_states(), n);
+                std::ranges::copy(of(instance).instance->states(), states);
+              });
+}
+
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[],
+                                             size_t n) {
+  return call(instance, "fmi3GetNominalsOfContinuousStates", Kind::model_exchange,
+              fmi::any_phase & ~fmi::instantiated, [&] {
+                Component::expect("states", of(instance).instance->n_states(), n);
+                std::ranges::copy(of(instance).instance->nominals(), nominals);
+              });
+}
+
+fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t* n) {
+  return call(instance, "fmi3GetNumberOfEventIndicators", Kind::model_exchange, fmi::any_phase,
+              [&] { *n = of(instance).instance->n_indicators(); });
+}
+
+fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t* n) {
+  return call(instance, "fmi3GetNumberOfContinuousStates", Kind::model_exchange, fmi::any_phase,
+              [&] { *n = of(instance).instance->n_states(); });
+}
+
+// --- Co-Simulation ------------------------------------------------------------------------------
+
+fmi3Status fmi3EnterStepMode(fmi3Instance instance) {
+  return call(instance, "fmi3EnterStepMode", Kind::co_simulation, fmi::event_mode,
+              [&] { of(instance).phase = fmi::step_mode; });
+}
+
+fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 point, fmi3Float64 step, fmi3Boolean,
+                      fmi3Boolean* event_handling_needed, fmi3Boolean* terminate,
+                      fmi3Boolean* early_return, fmi3Float64* last_successful_time) {
+  return call(instance, "fmi3DoStep", Kind::co_simulation, fmi::step_mode, [&] {
+    Instance3& now = of(instance);
+    *event_handling_needed = *terminate = *early_return = fmi3False;
+    *last_successful_time = now.instance->time();
+    now.check_communication_point(point, step);
+    const double target = point + step;
+    double stop = target;
+    std::function<bool(double)> look_up;
+    if (now.intermediate_update != nullptr) {
+      look_up = [&](double t) {
+        fmi3Boolean wanted = fmi3False;
+        fmi3Float64 until = t;
+        now.in_intermediate_update = true;
+        now.intermediate_update(now.environment, t, fmi3False, fmi3True, fmi3True,
+                                now.early_return_allowed, &wanted, &until);
+        now.in_intermediate_update = false;
+        if (wanted && now.early_return_allowed) stop = std::min(stop, std::max(t, until));
+        return t < stop;
+      };
+    }
+    const bool may_stop = now.event_mode_used && now.early_return_allowed;
+    const auto kind = may_stop ? fmu::Instance::Stop::at_event : fmu::Instance::Stop::at_target;
+    const auto record = [&] { *last_successful_time = now.instance->time(); };
+    try {
+      *event_handling_needed = now.instance->advance(target, kind, look_up);
+    } catch (...) {
+      record();
+      throw;
+    }
+    record();
+    *early_return = now.instance->time() < target;
+  });
+}
+
+}  // extern "C"
