@@ -134,8 +134,9 @@ Polynomials polynomials_of(const Motion& motion, int number, double begin) {
       "motion: expected polynomials of time, got functions, which no file can hold");
 }
 
-void write(Writer& writer, const Motion& motion) {
-  const int n_pieces = static_cast<int>(motion.pieces().size());
+// A motion, or no more of it than where it starts.
+void write(Writer& writer, const Motion& motion, bool only_start) {
+  const int n_pieces = only_start ? 0 : static_cast<int>(motion.pieces().size());
   writer.line("motion", motion.n_axes(), n_pieces, motion.duration());
   writer.line("motion.start", motion.start());
   for (int number = 0; number < n_pieces; ++number) {
@@ -248,7 +249,7 @@ std::string as_text(const Recipe& recipe) {
   Writer writer;
   write(writer, *recipe.robot);
   if (recipe.motion) {
-    write(writer, *recipe.motion);
+    write(writer, *recipe.motion, recipe.reference_is_input);
   } else {
     writer.line("motion", 0, 0);
   }
