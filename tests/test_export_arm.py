@@ -184,6 +184,13 @@ def test_torques_that_balance_gravity_hold_it(program, suffix, tmp_path):
         assert np.abs(held).max() < AGREEMENT * fall
 
 
+@pytest.mark.parametrize("program", ["mujoco", "pydrake"])  # Pinocchio does not read it
+def test_mjcf_has_the_gravity_of_the_robot(program, tmp_path):
+    moon = simplified(table_3={"gravity": 1.62})
+    gravity = read_by(program, moon, "xml", tmp_path).gravity
+    np.testing.assert_array_equal(gravity, [0.0, 0.0, -1.62])
+
+
 @every_program
 @every_format
 @every_robot
@@ -328,6 +335,13 @@ def test_limits_of_joints_are_those_of_their_motors(tmp_path):
     assert angles == [(-2.97, 2.97), (-2.01, 2.01), (-2.86, 2.86)]
 
 
+def test_where_no_limit_is_known_there_is_none(tmp_path):
+    r3.export_urdf(ROBOTS["full-robot"], tmp_path / "r3.urdf")
+    r3.export_mjcf(ROBOTS["full-robot"], tmp_path / "r3.xml")
+    assert "<limit" not in (tmp_path / "r3.urdf").read_text()
+    assert "range=" not in (tmp_path / "r3.xml").read_text()
+
+
 @every_format
 def test_names_are_those_of_arms_and_axes(suffix, tmp_path):
     WRITE[suffix](ROBOTS["no load"], tmp_path / "r3")
@@ -374,6 +388,8 @@ def test_remarks_are_about_this_robot(tmp_path):
     assert "Arm 5 has lent arm 6 0.005 kg m^2" in remarks("xml", ROBOTS["I33 of arm 6 known"])
     assert "Joints 4 to 6 are fixed" in remarks("xml", ROBOTS["three arms"])
     assert "since no limit is known: 4, 5, 6" in plain
+    flat = {"arms": {6: {"mass": 1.0, "I11": 0.1, "I22": 0.2, "I33": 0.3}}}
+    assert "lent" not in remarks("xml", simplified(table_3=flat))
     complete = {
         "arms": {
             1: {"mass": 30.0, "I11": 1.2, "I22": 1.2},

@@ -112,7 +112,7 @@ def _complete_by_exchange(bodies: list[Body], axes: list[str]) -> list[str]:
     remarks = []
     for j in range(1, len(bodies)):
         missing = -float(bodies[j].second_moments[2, 2])
-        if axes[j] == "z" and missing > 0.0:
+        if axes[j] == "z" and missing > 0.0 and not bodies[j].is_rigid:
             exchanged = np.diag([missing, missing, 0.0])
             bodies[j] = bodies[j]._replace(inertia=bodies[j].inertia + exchanged)
             bodies[j - 1] = bodies[j - 1]._replace(inertia=bodies[j - 1].inertia - exchanged)

@@ -16,7 +16,7 @@ from .bodies import Body
 from .primitives import Primitive
 from .xml_file import numbers, short, with_remarks, write
 
-_NO_LIMIT = 1e9  # where URDF wants a number
+_NO_LIMIT = 1e9  # where URDF wants a number beside others, and there is none
 
 
 def export_urdf(robot: Robot, path: str | PathLike[str]) -> tuple[str, ...]:
@@ -138,6 +138,8 @@ def _add_joint(root: Element, joint: Joint) -> None:
         joint.offset,
     )
     SubElement(element, "axis", xyz=numbers(*joint.direction))
+    if not np.isfinite([joint.angle_limit, joint.torque_limit, joint.rate_limit]).any():
+        return
     limits = {
         "effort": numbers(min(joint.torque_limit, _NO_LIMIT)),
         "velocity": numbers(min(joint.rate_limit, _NO_LIMIT)),
