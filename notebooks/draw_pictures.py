@@ -27,7 +27,7 @@ from manutec_r3.comparison.accuracy import PROMISED
 from manutec_r3.plot import figure9, new_figure
 
 PICTURES = Path(__file__).parent / "pictures"
-ICON = Path(__file__).parents[1] / "python/manutec_r3/export/icon.png"
+ICON = Path(__file__).parents[1] / "python/manutec_r3/export/fmu/icon.png"
 
 TEXT = "#333a42"
 LINE = "#5d6771"

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 import manutec_r3 as r3
-from manutec_r3.animation import Animation, LiveView, shapes
+from manutec_r3.animation import Animation, LiveView, meshes
 from manutec_r3.animation.elements import WORDS
 from manutec_r3.animation.poses import arm_poses
+from manutec_r3.shapes import floor_height
 
 CHROMIUM = shutil.which("chromium")
 DRIVER = shutil.which("chromedriver")
@@ -379,30 +380,30 @@ def test_parts_reach_from_the_floor_to_the_tip(model):
     heights = np.concatenate(
         [
             mesh.vertices[:, 2] + height[arm]
-            for arm, parts in shapes.arms(robot).items()
+            for arm, parts in meshes.arms(robot).items()
             for _, mesh in parts
         ]
     )
-    assert heights.min() == pytest.approx(shapes.floor_height(robot), abs=1e-12)
+    assert heights.min() == pytest.approx(floor_height(robot), abs=1e-12)
     assert heights.max() > arms[5]
 
 
 def test_every_joint_has_its_mark():
-    arms = shapes.arms(r3.Robot(model=3))
+    arms = meshes.arms(r3.Robot(model=3))
     for arm in range(1, 7):
         assert [material for material, _ in arms[f"arm_{arm}"]].count("branch") == 1
 
 
 def test_the_load_is_a_ball_of_steel_where_the_load_is():
     robot = r3.Robot(model=3, load=r3.Load(10.0, (0.05, -0.02, 0.2)))
-    mesh = dict(shapes.arms(robot)["load"])["load"]
+    mesh = dict(meshes.arms(robot)["load"])["load"]
     np.testing.assert_allclose(mesh.bounds.mean(axis=0), robot.load.position, atol=1e-12)
     # The ball is an icosphere, which fills 99 % of its ball; 7850 kg/m^3.
     assert mesh.volume == pytest.approx(10.0 / 7850.0, rel=0.02)
 
 
 def test_no_load_no_ball():
-    assert "load" not in shapes.arms(r3.Robot(model=3))
+    assert "load" not in meshes.arms(r3.Robot(model=3))
 
 
 def test_poses_are_those_of_the_core():

@@ -690,6 +690,13 @@ def test_the_arm_alone_for_one_pose_or_many(model):
     assert robot.forward_dynamics(q, qd[0, 0], tau[0, 0]).shape == (5, 2, n)
 
 
+def test_the_arm_is_written_for_other_programs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for remarks in (r3.export_urdf(robot, "r3.urdf"), r3.export_mjcf(robot, tmp_path / "r3.xml")):
+        assert all(isinstance(remark, str) for remark in remarks)
+    assert {path.name for path in tmp_path.iterdir()} == {"r3.urdf", "r3.xml"}
+
+
 # --- meanings that must not differ --------------------------------------------------------------
 
 

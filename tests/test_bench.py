@@ -14,6 +14,7 @@ from manutec_r3.bench import Row, Table, arm, for_markdown, peers, precision, ru
 from manutec_r3.bench.timing import Timing, each_of_many, many, side_by_side
 from manutec_r3.comparison.accuracy import sequence
 from manutec_r3.experiment import Method
+from manutec_r3.export.arm.tree import arm_tree
 from manutec_r3.inputs import gather
 
 SHORT = r3.Scenario(
@@ -70,7 +71,7 @@ def test_a_run_with_other_events_is_wrong():
 
 
 def test_a_peer_that_disagrees_is_wrong_and_not_timed(monkeypatch):
-    ours = arm.PLAIN_ARM.robot
+    ours = arm.PLAIN_ARM
 
     def almost(*pose):
         return ours.forward_dynamics(*pose) * (1.0 + 1e-11)
@@ -103,8 +104,8 @@ def test_peers_agree_with_the_arm_alone(module):
     (make,) = (make for _, make in peers._PEERS if make.__name__ == f"_{module}")
     rng = np.random.default_rng(5)
     q, qd, tau = rng.uniform(-2.0, 2.0, (3, many, 6))
-    expected = arm.PLAIN_ARM.robot.forward_dynamics(q, qd, tau)
-    for peer in make(arm.PLAIN_ARM):
+    expected = arm.PLAIN_ARM.forward_dynamics(q, qd, tau)
+    for peer in make(arm_tree(arm.PLAIN_ARM)):
         error = np.abs(peer.forward_dynamics(q, qd, tau) - expected).max(axis=1)
         # Measured: 2e-14 of the largest acceleration of a pose; ten times that.
         assert (error <= 2e-13 * np.abs(expected).max(axis=1)).all()

@@ -14,7 +14,7 @@ import pytest
 import manutec_r3 as r3
 from manutec_r3 import _core
 from manutec_r3.comparison.accuracy import ranges
-from manutec_r3.export.model_description import base_units
+from manutec_r3.export.fmu.model_description import base_units
 
 fmpy = pytest.importorskip("fmpy", reason="FMPy is missing: pip install 'manutec-r3[test]'")
 from fmpy.validation import validate_fmu  # noqa: E402

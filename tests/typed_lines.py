@@ -45,6 +45,8 @@ assert_type(r3.simulate_many([(robot, motion)], t_end=1.5, record="peaks"), r3.R
 assert_type(r3.simulate_many([], record="peaks", to_parquet="runs"), Path)
 r3.simulate_many([(robot, motion)], t_end=1.5, tolerance=1e-8)  # type: ignore[call-overload]
 
+assert_type(r3.export_urdf(robot, "r3.urdf"), tuple[str, ...])
+
 # Choices are known by their names.
 r3.simulate(robot, motion, t_end=1.5, method="rk4")  # type: ignore[arg-type]
 r3.Robot(controller="pid")  # type: ignore[arg-type]

@@ -26,7 +26,7 @@ from .comparison import (
 )
 from .errors import SimulationError, SimulationInterrupted
 from .events import Event, Events
-from .export import export_fmu
+from .export import export_fmu, export_mjcf, export_urdf
 from .inputs import Input
 from .limits import LimitExcess
 from .many_runs import EventRecord, FinalRecord, PeakRecord, Results, simulate_many
@@ -71,6 +71,8 @@ __all__ = [
     "compare",
     "compare_events",
     "export_fmu",
+    "export_mjcf",
+    "export_urdf",
     "plot",
     "scenarios",
     "simulate",

@@ -29,9 +29,3 @@ def in_words(event: Event) -> str:
     if event.element in WORDS:
         return f"axis {event.axis} {WORDS[event.element][event.after + 1]}"
     return {"reference": "knot of the reference", "sample": "sample"}[event.element]
-
-
-def rgb(colour: str) -> tuple[int, int, int]:
-    """Return red, green and blue, 0 to 255, of a colour as CSS writes it."""
-    red, green, blue = bytearray.fromhex(colour[1:])
-    return red, green, blue

@@ -8,9 +8,10 @@ import numpy as np
 from ..arguments import number
 from ..errors import SimulationError
 from ..events import Event
+from ..shapes import colour, floor_height, rgb
 from ..simulation import Simulator
-from . import shapes
-from .elements import FRICTION_COLOURS, REFERENCE_COLOUR, WORDS, in_words, rgb
+from . import meshes
+from .elements import FRICTION_COLOURS, REFERENCE_COLOUR, WORDS, in_words
 from .poses import arm_names, arm_poses
 
 _INSIDE = 0.002  # the reference is smaller: where both are at one place the robot is seen [m]
@@ -79,7 +80,7 @@ class LiveView:
             cell_size=0.25,
             cell_color=(226, 230, 234),
             section_color=(196, 203, 210),
-            position=(0, 0, shapes.floor_height(robot)),
+            position=(0, 0, floor_height(robot)),
         )
         names = ["robot"] if self.simulator.motion is None else ["robot", "reference"]
         self._arms = {
@@ -87,12 +88,12 @@ class LiveView:
             for name in names
         }
         self._joints = []
-        for arm, parts in shapes.arms(robot).items():
+        for arm, parts in meshes.arms(robot).items():
             place = "arm_6/load" if arm == "load" else arm
             for material, mesh in parts:
                 node = f"{place}/{material}"
                 handle = scene.add_mesh_simple(
-                    f"/robot/{node}", mesh.vertices, mesh.faces, color=shapes.colour(material)
+                    f"/robot/{node}", mesh.vertices, mesh.faces, color=colour(material)
                 )
                 if material == "branch":
                     self._joints.append(handle)

@@ -23,7 +23,8 @@ from trimesh.viewer.notebook import scene_to_html
 
 from ..arguments import number
 from ..robot import Robot
-from . import shapes
+from ..shapes import floor_height
+from . import meshes
 from .elements import FRICTION_COLOURS, REFERENCE_COLOUR, WORDS, in_words
 from .poses import arm_names, arm_poses
 
@@ -112,7 +113,7 @@ def _run(result: "Result", time: np.ndarray, magnify: float) -> dict[str, Any]:
     robot, now = result.robot, result.at(time)
     follows = result.motion is not None
     ghost = now.joint_angle + magnify * now.control_error if follows else None
-    model = shapes.scene(robot).export(file_type="glb", include_normals=True)
+    model = meshes.scene(robot).export(file_type="glb", include_normals=True)
     return {
         "facts": " \N{MIDDLE DOT} ".join(_facts(result, len(time) - 1)),
         "ghost": {
@@ -123,7 +124,7 @@ def _run(result: "Result", time: np.ndarray, magnify: float) -> dict[str, Any]:
         "frames": len(time),
         "axes": robot.n_axes,
         "arms": arm_names(robot),
-        "floor": shapes.floor_height(robot),
+        "floor": floor_height(robot),
         "model": b64encode(model).decode(),
         "poses": _base64(arm_poses(robot, now.joint_angle)),
         "reference_poses": None if ghost is None else _base64(arm_poses(robot, ghost)),

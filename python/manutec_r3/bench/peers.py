@@ -8,16 +8,18 @@ import ctypes
 import os
 import subprocess
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property, partial
+from dataclasses import dataclass, replace
+from functools import partial
 from importlib.metadata import version
 from importlib.resources import as_file, files
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from xml.etree import ElementTree
 
 import numpy as np
 
-from ..robot import Robot
+from ..export.arm import mjcf
+from ..export.arm.tree import ArmTree
 from .timing import many, one
 
 ForwardDynamics = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
@@ -49,71 +51,7 @@ class Peer:
     forward_dynamics: ForwardDynamics | None = None
 
 
-@dataclass(frozen=True)
-class PlainArm:
-    """Six bodies on revolute joints, with armatures: what all programs can simulate.
-
-    Attributes
-    ----------
-    robot : Robot
-        Model 1 with all rotors simplified: then they are armatures, ``p^2 rJ``. Data of arms and
-        gear ratios are read from it.
-    """
-
-    robot: Robot
-
-    @property
-    def arms(self) -> list[dict]:
-        """Rows of Table 3."""
-        return self.robot.parameters["table_3"]["arms"]
-
-    @cached_property
-    def gravity(self) -> float:
-        """[m/s^2], downward."""
-        return self.robot.parameters["table_3"]["gravity"]
-
-    @cached_property
-    def about_x(self) -> np.ndarray:
-        """Whether a joint turns about x, else about z (6,)."""
-        return np.array([arm["axis"] == "x" for arm in self.arms])
-
-    @cached_property
-    def offset(self) -> np.ndarray:
-        """Joints in the frame of the preceding arm (6, 3) [m]."""
-        return np.array([arm["offset"] for arm in self.arms])
-
-    @cached_property
-    def armature(self) -> np.ndarray:
-        """Inertia of the rotors, joint side (6,) [kg m^2]."""
-        tables = self.robot.parameters
-        return np.square(tables["table_1"]["p"]) * tables["table_3"]["rJ"]
-
-    @cached_property
-    def bodies(self) -> list[tuple[float, np.ndarray, np.ndarray]]:
-        """Mass [kg], centre of mass (3,) [m], inertia about it (3, 3) [kg m^2]; 6 with the load."""
-        bodies = [(arm["mass"], np.array(arm["centre_of_mass"]), _tensor(arm)) for arm in self.arms]
-        load = (self.robot.load.mass, np.array(self.robot.load.position), np.zeros((3, 3)))
-        bodies[-1] = _joined(bodies[-1], load)
-        return bodies
-
-
-def _tensor(arm: dict) -> np.ndarray:
-    i11, i22, i33, i13 = (arm[name] for name in ("I11", "I22", "I33", "I13"))
-    return np.array([[i11, 0.0, i13], [0.0, i22, 0.0], [i13, 0.0, i33]])
-
-
-def _joined(*bodies: tuple[float, np.ndarray, np.ndarray]) -> tuple[float, np.ndarray, np.ndarray]:
-    """One rigid body of several."""
-    mass = sum(m for m, _, _ in bodies)
-    centre = np.sum([m * c for m, c, _ in bodies], axis=0) / mass
-    about_centre = [
-        i + m * ((c - centre) @ (c - centre) * np.eye(3) - np.outer(c - centre, c - centre))
-        for m, c, i in bodies
-    ]
-    return mass, centre, np.sum(about_centre, axis=0)
-
-
-def peers(arm: PlainArm) -> list[Peer]:
+def peers(arm: ArmTree) -> list[Peer]:
     """All of them, those that are not there with the reason."""
     found = []
     for name, make in _PEERS:
@@ -152,18 +90,18 @@ def _address(array: np.ndarray) -> ctypes.c_void_p:
 # --- Pinocchio ----------------------------------------------------------------------------------
 
 
-def _pinocchio(arm: PlainArm) -> list[Peer]:
+def _pinocchio(arm: ArmTree) -> list[Peer]:
     import pinocchio as pin
 
     model = pin.Model()
     model.gravity.linear = np.array([0.0, 0.0, -arm.gravity])
     parent = 0
-    for j, (mass, centre, inertia) in enumerate(arm.bodies):
-        joint = pin.JointModelRX() if arm.about_x[j] else pin.JointModelRZ()
-        place = pin.SE3(np.eye(3), arm.offset[j])
-        parent = model.addJoint(parent, joint, place, f"joint {j + 1}")
-        model.appendBodyToJoint(parent, pin.Inertia(mass, centre, inertia), pin.SE3.Identity())
-    model.armature = arm.armature
+    for joint, body in zip(arm.joints, arm.bodies, strict=True):
+        turn = pin.JointModelRX() if joint.about_x else pin.JointModelRZ()
+        place = pin.SE3(np.eye(3), joint.offset)
+        parent = model.addJoint(parent, turn, place, joint.name)
+        model.appendBodyToJoint(parent, pin.Inertia(*body), pin.SE3.Identity())
+    model.armature = np.array([joint.armature for joint in arm.joints])
     pool = pin.ModelPool(model, 1)
 
     def forward_dynamics(q: np.ndarray, qd: np.ndarray, tau: np.ndarray) -> np.ndarray:
@@ -178,7 +116,7 @@ def _pinocchio(arm: PlainArm) -> list[Peer]:
 # --- MuJoCo -------------------------------------------------------------------------------------
 
 
-def _mujoco(arm: PlainArm) -> list[Peer]:
+def _mujoco(arm: ArmTree) -> list[Peer]:
     import mujoco
 
     model = mujoco.MjModel.from_xml_string(_mjcf(arm))
@@ -202,33 +140,18 @@ def _mujoco(arm: PlainArm) -> list[Peer]:
     ]
 
 
-def _mjcf(arm: PlainArm) -> str:
-    """Write the arm as MuJoCo's XML."""
-
-    def numbers(*values: float) -> str:
-        return " ".join(repr(float(value)) for value in values)
-
-    opened = []
-    for j, (mass, centre, inertia) in enumerate(arm.bodies):
-        i11, i22, i33 = np.diag(inertia)
-        full = numbers(i11, i22, i33, inertia[0, 1], inertia[0, 2], inertia[1, 2])
-        opened.append(
-            f'<body pos="{numbers(*arm.offset[j])}">'
-            f'<joint axis="{"1 0 0" if arm.about_x[j] else "0 0 1"}" '
-            f'armature="{numbers(arm.armature[j])}"/>'
-            f'<inertial pos="{numbers(*centre)}" mass="{numbers(mass)}" fullinertia="{full}"/>'
-        )
-    bodies = "".join(opened) + "</body>" * len(opened)
-    return (
-        f'<mujoco><compiler angle="radian"/><option gravity="0 0 {-arm.gravity!r}"/>'
-        f"<worldbody>{bodies}</worldbody></mujoco>"
-    )
+def _mjcf(arm: ArmTree) -> str:
+    """Write the arm as MuJoCo's XML, without what is not measured: shapes and motors."""
+    bare = replace(arm, links=[link._replace(shapes=[]) for link in arm.links])
+    root = mjcf.document(bare)
+    root[:] = [element for element in root if element.tag != "actuator"]
+    return ElementTree.tostring(root, encoding="unicode")
 
 
 # --- CasADi -------------------------------------------------------------------------------------
 
 
-def _casadi(arm: PlainArm) -> list[Peer]:
+def _casadi(arm: ArmTree) -> list[Peer]:
     import casadi as ca
 
     from .symbolic_arm import forward_dynamics as symbolic

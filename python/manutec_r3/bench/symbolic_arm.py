@@ -5,24 +5,22 @@ mass matrix, ``M = L D L^T`` for the solution: as in our core. CasADi leaves out
 zero in this arm and unrolls everything else.
 """
 
-from typing import TYPE_CHECKING
-
 import casadi as ca
 import numpy as np
 
-if TYPE_CHECKING:
-    from .peers import PlainArm
+from ..export.arm.tree import ArmTree
 
 
-def forward_dynamics(arm: "PlainArm") -> ca.Function:
+def forward_dynamics(arm: ArmTree) -> ca.Function:
     """Return joint accelerations (6,) as a function of angles, rates and torques (6,)."""
     q, qd, tau = (ca.SX.sym(name, 6) for name in ("q", "qd", "tau"))
-    turn = [_turn(q[j], arm.about_x[j]) for j in range(6)]
-    axis = [ca.SX([1, 0, 0]) if about_x else ca.SX([0, 0, 1]) for about_x in arm.about_x]
+    turn = [_turn(q[j], joint.about_x) for j, joint in enumerate(arm.joints)]
+    axis = [ca.SX(joint.direction) for joint in arm.joints]
     bodies = [_about_joint(*body) for body in arm.bodies]
-    at = [ca.SX(offset) for offset in arm.offset]
+    at = [ca.SX(joint.offset) for joint in arm.joints]
+    armature = [joint.armature for joint in arm.joints]
 
-    factor, diagonal, order = ca.ldl(_mass_matrix(turn, axis, at, bodies, arm.armature))
+    factor, diagonal, order = ca.ldl(_mass_matrix(turn, axis, at, bodies, armature))
     qdd = ca.ldl_solve(
         tau - _bias(turn, axis, at, bodies, qd, arm.gravity), factor, diagonal, order
     )
@@ -63,7 +61,7 @@ def _bias(turn: list, axis: list, at: list, bodies: list, qd: ca.SX, gravity: fl
     return ca.vertcat(*torque)
 
 
-def _mass_matrix(turn: list, axis: list, at: list, bodies: list, armature: np.ndarray) -> ca.SX:
+def _mass_matrix(turn: list, axis: list, at: list, bodies: list, armature: list) -> ca.SX:
     mass_matrix = ca.SX(np.diag(armature))
     mass, first, inertia = 0.0, ca.SX(3, 1), ca.SX(3, 3)
     for j in reversed(range(6)):

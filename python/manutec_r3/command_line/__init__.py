@@ -1,6 +1,6 @@
-"""The command `manutec-r3`: it runs scenarios, shows, compares and draws what came out.
+"""The command `manutec-r3`: runs scenarios, shows, compares, draws and exports.
 
-The commands are in `running`, `judging` and `drawing`; `app` has what they share.
+The commands are in `running`, `drawing`, `judging` and `exporting`; `app` has what they share.
 """
 
 # In the order in which help lists their commands.
@@ -10,9 +10,11 @@ from . import drawing  # isort: split
 
 from . import judging  # isort: split
 
+from . import exporting  # isort: split
+
 from .app import app
 
-__all__ = ["app", "drawing", "judging", "main", "running"]
+__all__ = ["app", "drawing", "exporting", "judging", "main", "running"]
 
 
 def main() -> None:

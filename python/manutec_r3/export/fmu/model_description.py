@@ -79,25 +79,23 @@ def description_3(model: Model) -> bytes:
     """Return ``modelDescription.xml`` of FMI 3.0."""
     root = ET.Element(
         "fmiModelDescription",
-        fmiVersion="3.0",
-        modelName=model.name,
-        instantiationToken=model.token,
-        **_about(model),
+        {"fmiVersion": "3.0", "modelName": model.name, "instantiationToken": model.token}
+        | _about(model),
     )
     can = dict.fromkeys(("canGetAndSetFMUState", "canSerializeFMUState"), "true")
     ET.SubElement(
         root,
         "ModelExchange",
+        can,
         modelIdentifier=MODEL_IDENTIFIER,
-        **can,
         providesDirectionalDerivatives="true",
         needsCompletedIntegratorStep="false",
     )
     ET.SubElement(
         root,
         "CoSimulation",
+        can,
         modelIdentifier=MODEL_IDENTIFIER,
-        **can,
         canHandleVariableCommunicationStepSize="true",
         canReturnEarlyAfterIntermediateUpdate="true",
         hasEventMode="true",
@@ -125,27 +123,24 @@ def description_2(model: Model) -> bytes:
     scalars = [scalar for variable in model.variables for scalar in _elements(variable)]
     root = ET.Element(
         "fmiModelDescription",
-        fmiVersion="2.0",
-        modelName=model.name,
-        guid=model.token,
-        **_about(model),
+        {"fmiVersion": "2.0", "modelName": model.name, "guid": model.token} | _about(model),
         numberOfEventIndicators=str(sum(v.group == "indicator" for v in scalars)),
     )
     can = dict.fromkeys(("canGetAndSetFMUstate", "canSerializeFMUstate"), "true")
     ET.SubElement(
         root,
         "ModelExchange",
+        can,
         modelIdentifier=MODEL_IDENTIFIER,
         completedIntegratorStepNotNeeded="true",
-        **can,
         providesDirectionalDerivative="true",
     )
     ET.SubElement(
         root,
         "CoSimulation",
+        can,
         modelIdentifier=MODEL_IDENTIFIER,
         canHandleVariableCommunicationStepSize="true",
-        **can,
     )
     _add_common(root, model)
     variables = ET.SubElement(root, "ModelVariables")
@@ -200,9 +195,7 @@ def _add_common(root: ET.Element, model: Model) -> None:
 def _variable_3(variable: Variable) -> ET.Element:
     element = ET.Element(
         "Int32" if variable.is_integer else "Float64",
-        name=variable.name,
-        valueReference=str(variable.value_reference),
-        **_kind(variable),
+        {"name": variable.name, "valueReference": str(variable.value_reference)} | _kind(variable),
     )
     for extent in variable.shape:
         ET.SubElement(element, "Dimension", start=str(extent))
@@ -242,9 +235,7 @@ def _elements(variable: Variable) -> Iterator[Variable]:
 def _variable_2(scalar: Variable) -> ET.Element:
     element = ET.Element(
         "ScalarVariable",
-        name=scalar.name,
-        valueReference=str(scalar.value_reference),
-        **_kind(scalar),
+        {"name": scalar.name, "valueReference": str(scalar.value_reference)} | _kind(scalar),
     )
     if scalar.is_integer:
         ET.SubElement(element, "Integer")

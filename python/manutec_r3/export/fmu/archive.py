@@ -15,12 +15,12 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 import numpy as np
 
-from .. import _core
-from ..build_info import build_info
-from ..scenario import Scenario
-from ..simulation import set_up
-from .fmu_page import page
+from ... import _core
+from ...build_info import build_info
+from ...scenario import Scenario
+from ...simulation import set_up
 from .model_description import MODEL_IDENTIFIER, Model, Variable, description_2, description_3
+from .page import page
 
 FmiVersion = Literal["2.0", "3.0"]
 ReferenceOf = Literal["motion", "input"]
@@ -86,8 +86,8 @@ def export_fmu(
     resources = recipe.text
     release = build_info().version
     # Who instantiates it names the token: it stands for this very content.
-    content = f"manutec_r3 {release} FMI {fmi}\n{resources}"
-    token = f"{{{uuid5(NAMESPACE_URL, content)}}}"
+    stands_for = f"manutec_r3 {release} FMI {fmi}\n{resources}"
+    token = f"{{{uuid5(NAMESPACE_URL, stands_for)}}}"
     model = Model(
         name=scenario.name,
         text=scenario.description or scenario.robot.title,

@@ -2,8 +2,8 @@
 
 from html import escape
 
-from .. import html
-from ..scenario import Scenario
+from ... import html
+from ...scenario import Scenario
 from .model_description import Model
 
 _USE = """
