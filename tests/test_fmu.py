@@ -5,19 +5,21 @@ FMPy brings an integrator of its own, CVODE, for Model Exchange; Co-Simulation i
 
 import subprocess
 from functools import cache
-from itertools import pairwise
 from zipfile import ZipFile
 
 import numpy as np
 import pytest
+from oracle_runs import times_of
 
 import manutec_r3 as r3
 from manutec_r3 import _core
-from manutec_r3.comparison.accuracy import ranges
+from manutec_r3.comparison.accuracy import ranges, sequence
 from manutec_r3.export.fmu.model_description import base_units
 
 fmpy = pytest.importorskip("fmpy", reason="FMPy is missing: pip install 'manutec-r3[test]'")
 from fmpy.validation import validate_fmu  # noqa: E402
+
+from manutec_r3.bench.fmpy_run import columns, switches  # noqa: E402
 
 FMI = ("2.0", "3.0")
 KINDS = ("ModelExchange", "CoSimulation")
@@ -60,7 +62,6 @@ SCENARIOS = {
     ),
     "arm-start": scenario("arm", r3.Robot(4, HEAVY), THREE, 0.6, start="arm"),
 }
-ELEMENTS = ("dead_zone", "torque_limit", "voltage_limit", "backlash", "friction")
 # Where motors saturate or nothing controls the arm, errors grow: CVODE keeps these shares of range.
 SHARE_OF_MODEL_EXCHANGE = {"voltage-limit": 1e-5, "torques": 1e-5}
 
@@ -98,10 +99,7 @@ def simulated(path, kind, rtol, t_end, **more):
         output_interval=0.01,
         **more,
     )
-    names = {name.partition("[")[0]: [] for name in rows.dtype.names}
-    for name in rows.dtype.names:
-        names[name.partition("[")[0]].append(rows[name].reshape(len(rows), -1))
-    return {name: np.hstack(columns) for name, columns in names.items()}
+    return columns(rows)
 
 
 def share_of_range(got, expected, t_end, jump=-1.0):
@@ -121,25 +119,6 @@ def share_of_range(got, expected, t_end, jump=-1.0):
             size = np.maximum(size, 1e-3 * size.max()) + (size.max() == 0.0)
             shares[name] = np.max(np.abs(got[name][far] - wanted) / size)
     return shares
-
-
-def switches(got):
-    """The events that branches show: time, axis, element, before, after."""
-    time = got["time"][:, 0]
-    return [
-        (time[k], axis + 1, element, before[axis], after[axis])
-        for k, rows in enumerate(
-            pairwise(zip(*(got[f"branch.{e}"] for e in ELEMENTS), strict=True))
-        )
-        for axis in range(len(rows[0][0]))
-        for element, before, after in zip(ELEMENTS, *rows, strict=True)
-        if before[axis] != after[axis]
-    ]
-
-
-def switches_of(events):
-    told = [e for e in events if e.element in ELEMENTS]
-    return [(e.time, e.axis, e.element, e.before, e.after) for e in told]
 
 
 # --- valid --------------------------------------------------------------------------------------
@@ -243,10 +222,9 @@ def test_model_exchange_does_what_simulate_does(exported, name, fmi):
     # What is promised at this tolerance; measured 5e-7 and less.
     limit = SHARE_OF_MODEL_EXCHANGE.get(name, 1e-6)
     assert max(share_of_range(got, expected, t_end).values()) < limit
-    events, wanted = switches(got), switches_of(expected.events)
-    assert [event[1:] for event in events] == [event[1:] for event in wanted]
-    times = [event[0] for event in events]
-    assert times == pytest.approx([event[0] for event in wanted], rel=0, abs=1e-6)
+    events, wanted = switches(got), [e for e in expected.events if e.element != "reference"]
+    assert sequence(events) == sequence(wanted)
+    assert times_of(events) == pytest.approx(times_of(wanted), rel=0, abs=1e-6)
     assert got["n_events"][-1, 0] == len(expected.events)
 
 
@@ -267,10 +245,10 @@ def test_co_simulation_with_event_mode_stops_at_every_event(exported, name):
     got = simulated(
         exported(name), "CoSimulation", 1e-11, t_end, use_event_mode=True, early_return_allowed=True
     )
-    events, wanted = switches(got), switches_of(expected.events)
-    assert [event[1:] for event in events] == [event[1:] for event in wanted]
+    events, wanted = switches(got), [e for e in expected.events if e.element != "reference"]
+    assert sequence(events) == sequence(wanted)
     # Located within roundoff in both, on solutions that differ by roundoff: 1e-11 s, measured.
-    assert [e[0] for e in events] == pytest.approx([e[0] for e in wanted], rel=0, abs=1e-9)
+    assert times_of(events) == pytest.approx(times_of(wanted), rel=0, abs=1e-9)
 
 
 def test_a_reference_may_come_from_outside(folder):

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from .arm import forward_dynamics, right_hand_sides
 from .report import Row, Table, for_markdown, for_terminal, machine
-from .runs import figure9, full_robot, many_runs, recording, sampled
+from .runs import exported, figure9, full_robot, many_runs, recording, sampled
 
 # Each part is a function of the number of repeats.
 PARTS: dict[str, Callable[[int], Table]] = {
@@ -17,6 +17,7 @@ PARTS: dict[str, Callable[[int], Table]] = {
     "figure9": figure9,
     "sampled": sampled,
     "full-robot": full_robot,
+    "fmu": exported,
     "recording": recording,
     "many-runs": many_runs,
 }

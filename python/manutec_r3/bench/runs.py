@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from importlib.resources import files
 from time import perf_counter
-from typing import Any, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -201,6 +201,54 @@ def _by_scipy(scenario: Scenario, exact: Result) -> tuple[str, Callable[[], obje
             break
     name = f"SciPy {scipy_run.METHOD} {rtol:g}, enough here"
     return name, partial(scipy_run.run, scenario, rtol), found
+
+
+# --- as an FMU ----------------------------------------------------------------------------------
+
+
+def exported(repeats: int) -> Table:
+    """Time the benchmark run beside its FMU in another program."""
+    scenario = Scenario.load("figure9-quintic")
+    exact = exact_run(scenario)
+    usual = scenario.run()
+    names = [f"{usual.method} {usual.rtol:g}, default"]
+    programs: dict[str, Callable[[], object]] = {names[0]: bare_run(scenario)}
+    rows = {names[0]: outcome(usual, exact).row}
+    title = "Figure 9 as an FMU"
+    try:
+        from .fmpy_run import ExportedRun, version
+    except ImportError as reason:
+        timings = side_by_side(programs, repeats)
+        found = [rows[names[0]](names[0], timings[names[0]])]
+        missing = Row("FMPy", None, f"not measured: {reason}")
+        return Table("fmu", title, "ms", [*found, missing], "Errors as in figure9.")
+    kinds: dict[Literal["ModelExchange", "CoSimulation"], float] = {
+        "ModelExchange": 1e-8,
+        "CoSimulation": usual.rtol,
+    }
+    with ExportedRun(scenario) as fmu:
+        for kind, rtol in kinds.items():
+            ours = [event for event in exact.events if event.element != "reference"]
+            got = fmu.run(kind, rtol)
+            error = max(largest_errors(got, exact).values())
+            same = sequence(got.events) == sequence(ours)
+            name = f"FMPy {version}, {kind} {rtol:g}"
+            programs[name] = partial(fmu.last_angles, kind, rtol)
+            rows[name] = partial(_fmu_row, kind, error, same)
+        timings = side_by_side(programs, repeats)
+    return Table(
+        "fmu",
+        title,
+        "ms",
+        [rows[name](name, timings[name]) for name in programs],
+        "Model Exchange: FMPy's CVODE integrates; Co-Simulation: we do, inside the FMU. FMPy calls "
+        "both from Python, every 10 ms and at events. Errors as in figure9, where it records.",
+    )
+
+
+def _fmu_row(kind: str, error: float, same: bool, name: str, time: Timing) -> Row:
+    work = "CVODE, BDF" if kind == "ModelExchange" else "our integrator"
+    return Row(name, time, work, error, PROMISED, same)
 
 
 # --- recording ----------------------------------------------------------------------------------
