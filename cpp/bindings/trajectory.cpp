@@ -138,7 +138,7 @@ Array energies_at(std::shared_ptr<const robot::Robot> robot, const robot::Inputs
 
 // Instants to record (n,), and the step (n,) that each belongs to.
 py::tuple instants_of(const Trajectory& trajectory, const Array& event_times,
-                   const std::optional<Array>& times) {
+                      const std::optional<Array>& times) {
   const auto [time, step] = trajectory.instants(
       as_span(event_times), times ? std::optional(as_span(*times)) : std::nullopt);
   return py::make_tuple(as_array(time), Indices(step.size(), step.data()));
