@@ -89,6 +89,42 @@ TEST(AFailedInstanceCanBeRestored) {
   }
 }
 
+TEST(AFailedStepIsTheEndUntilAStateIsRestored) {
+  const double beyond_all_bounds[3] = {1e300, 1e300, 1e300};
+  Instance instance = {0};
+  begin(&instance, CO_SIMULATION);
+  OK(calls()->step(instance.handle, 0.0, 0.01));
+  void* state = NULL;
+  OK(calls()->get_state(instance.handle, &state));
+  OK(calls()->step(instance.handle, 0.01, 0.01));
+  const Bytes expected = state_of(&instance);
+  OK(calls()->set_state(instance.handle, state));
+  OK(calls()->set(instance.handle, find("input.tip_force"), beyond_all_bounds));
+  REFUSED(&instance, calls()->step(instance.handle, 0.01, 0.01));
+  REFUSED(&instance, calls()->step(instance.handle, 0.01, 0.01));
+  REFUSED(&instance, calls()->terminate(instance.handle));
+  OK(calls()->set_state(instance.handle, state));
+  OK(calls()->step(instance.handle, 0.01, 0.01));
+  const Bytes got = state_of(&instance);
+  CHECK(same_bytes(got, expected));
+  OK(calls()->free_state(instance.handle, &state));
+  free(expected.bytes);
+  free(got.bytes);
+  destroy(&instance);
+
+  // Of Model Exchange it is the importer that may try something else.
+  begin(&instance, MODEL_EXCHANGE);
+  Run run;
+  start_run(&run, &instance);
+  double x[MOST_STATES], dx[MOST_STATES];
+  for (size_t k = 0; k < fmu.n_states; ++k) x[k] = 1e300;
+  OK(calls()->set_states(instance.handle, x, fmu.n_states));
+  CHECK(calls()->derivatives(instance.handle, dx, fmu.n_states) == STATUS_DISCARD);
+  OK(calls()->set_states(instance.handle, run.x, fmu.n_states));
+  OK(calls()->derivatives(instance.handle, dx, fmu.n_states));
+  destroy(&instance);
+}
+
 TEST(StatesOfOthersAreRefused) {
   Instance exchange = {0}, simulation = {0}, other = {0};
   begin(&exchange, MODEL_EXCHANGE);
