@@ -118,6 +118,8 @@ def _write_variables(folder, sampling_time):
         name = re.sub(r"\[[\d,]+\]", "", variable.get("name"))
         size = prod(int(extent.get("start")) for extent in variable.iter("Dimension"))
         tag = variable[0].tag if version == "2" else variable.tag
+        if tag == "Clock":
+            continue
         kind = "integer" if tag in ("Integer", "Int32") else "real"
         first = variables.setdefault(name, [variable.get("valueReference"), 0, kind])
         first[1] += size

@@ -194,6 +194,22 @@ void Component::end_initialisation() {
   phase = (possible & event_mode) != 0 ? event_begun : step_mode;
 }
 
+namespace {
+
+std::pair<Component::Type, const char*> type_of(fmu::Group group) {
+  switch (group) {
+    case fmu::Group::branch:
+    case fmu::Group::n_events:
+      return {Component::Type::integer, "integer"};
+    case fmu::Group::clock:
+      return {Component::Type::clock, "clock"};
+    default:
+      return {Component::Type::real, "real"};
+  }
+}
+
+}  // namespace
+
 std::vector<Component::Range> Component::ranges(std::span<const unsigned> references,
                                                 Elements elements, std::optional<Type> type,
                                                 std::size_t n_values) const {
@@ -206,11 +222,9 @@ std::vector<Component::Range> Component::ranges(std::span<const unsigned> refere
       throw std::invalid_argument("value reference " + std::to_string(reference) +
                                   ": expected the first element of " + variable.name);
     }
-    const bool is_integer =
-        variable.group == fmu::Group::branch || variable.group == fmu::Group::n_events;
-    if (type && is_integer != (*type == Type::integer)) {
-      throw std::invalid_argument(variable.name + ": it has another type, " +
-                                  (is_integer ? "integer" : "real"));
+    const auto& [its_type, its_name] = type_of(variable.group);
+    if (type && its_type != *type) {
+      throw std::invalid_argument(variable.name + ": it has another type, " + its_name);
     }
     const int n = elements == Elements::whole ? variable.size : 1;
     ranges.push_back({static_cast<int>(reference), n});

@@ -89,7 +89,7 @@ struct Component {
   // Reads or sets all elements of variables, one variable after another.
   // `whole`: a value reference means all elements of its variable (FMI 3), or one element (FMI 2).
   enum class Elements { whole, single };
-  enum class Type { real, integer };
+  enum class Type { real, integer, clock };
   struct Range {
     int first, size;
   };

@@ -325,17 +325,62 @@ fmi3Status fmi3ExitConfigurationMode(fmi3Instance instance) {
   return refuse(instance, "fmi3ExitConfigurationMode", "there are no structural parameters");
 }
 
-#define MANUTEC_R3_NO_CLOCKS(name, ...)                                        \
-  fmi3Status fmi3##name(fmi3Instance instance, __VA_ARGS__) {                  \
-    return refuse(instance, "fmi3" #name, "expected time events, not clocks"); \
+// --- the clock of sampled controllers ------------------------------------------------------------
+
+// Time events announce the samples in any case; an importer with clocks may let them tick.
+
+fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference references[], size_t n,
+                        fmi3Clock values[]) {
+  return call(instance, "fmi3GetClock", fmi::event_mode, [&] {
+    const auto clocks = of(instance).ranges(list("value references", references, n),
+                                            Elements::whole, Type::clock, n);
+    std::vector<double> ticks(n);
+    of(instance).get(clocks, ticks);
+    std::ranges::transform(ticks, list("values", values, n).begin(), [](double tick) {
+      return tick != 0.0 ? fmi3ClockActive : fmi3ClockInactive;
+    });
+  });
+}
+
+fmi3Status fmi3SetClock(fmi3Instance instance, const fmi3ValueReference references[], size_t n,
+                        const fmi3Clock values[]) {
+  return call(instance, "fmi3SetClock", fmi::event_mode, [&] {
+    of(instance).ranges(list("value references", references, n), Elements::whole, Type::clock, n);
+    for (const fmi3Clock active : list("values", values, n)) {
+      if (!active) continue;
+      of(instance).instance->tick();
+      of(instance).phase = fmi::event_begun;
+    }
+  });
+}
+
+fmi3Status fmi3GetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference references[],
+                                  size_t n, fmi3Float64 intervals[],
+                                  fmi3IntervalQualifier qualifiers[]) {
+  return call(instance, "fmi3GetIntervalDecimal", fmi::initialisation | fmi::initialised, [&] {
+    of(instance).ranges(list("value references", references, n), Elements::whole, Type::clock, n);
+    for (fmi3Float64& interval : list("intervals", intervals, n)) {
+      interval = of(instance).instance->sampling_time();
+    }
+    // It is fixed when initialisation begins.
+    std::ranges::fill(list("qualifiers", qualifiers, n), fmi3IntervalUnchanged);
+  });
+}
+
+fmi3Status fmi3GetShiftDecimal(fmi3Instance instance, const fmi3ValueReference references[],
+                               size_t n, fmi3Float64 shifts[]) {
+  return call(instance, "fmi3GetShiftDecimal", fmi::initialisation | fmi::initialised, [&] {
+    of(instance).ranges(list("value references", references, n), Elements::whole, Type::clock, n);
+    std::ranges::fill(list("shifts", shifts, n), 0.0);
+  });
+}
+
+#define MANUTEC_R3_NO_CLOCKS(name, ...)                                                       \
+  fmi3Status fmi3##name(fmi3Instance instance, __VA_ARGS__) {                                 \
+    return refuse(instance, "fmi3" #name, "the clock's interval is a parameter, in seconds"); \
   }
-MANUTEC_R3_NO_CLOCKS(GetClock, const fmi3ValueReference*, size_t, fmi3Clock*)
-MANUTEC_R3_NO_CLOCKS(SetClock, const fmi3ValueReference*, size_t, const fmi3Clock*)
-MANUTEC_R3_NO_CLOCKS(GetIntervalDecimal, const fmi3ValueReference*, size_t, fmi3Float64*,
-                     fmi3IntervalQualifier*)
 MANUTEC_R3_NO_CLOCKS(GetIntervalFraction, const fmi3ValueReference*, size_t, fmi3UInt64*,
                      fmi3UInt64*, fmi3IntervalQualifier*)
-MANUTEC_R3_NO_CLOCKS(GetShiftDecimal, const fmi3ValueReference*, size_t, fmi3Float64*)
 MANUTEC_R3_NO_CLOCKS(GetShiftFraction, const fmi3ValueReference*, size_t, fmi3UInt64*, fmi3UInt64*)
 MANUTEC_R3_NO_CLOCKS(SetIntervalDecimal, const fmi3ValueReference*, size_t, const fmi3Float64*)
 MANUTEC_R3_NO_CLOCKS(SetIntervalFraction, const fmi3ValueReference*, size_t, const fmi3UInt64*,
@@ -343,8 +388,12 @@ MANUTEC_R3_NO_CLOCKS(SetIntervalFraction, const fmi3ValueReference*, size_t, con
 MANUTEC_R3_NO_CLOCKS(SetShiftDecimal, const fmi3ValueReference*, size_t, const fmi3Float64*)
 MANUTEC_R3_NO_CLOCKS(SetShiftFraction, const fmi3ValueReference*, size_t, const fmi3UInt64*,
                      const fmi3UInt64*)
-MANUTEC_R3_NO_CLOCKS(ActivateModelPartition, fmi3ValueReference, fmi3Float64)
 #undef MANUTEC_R3_NO_CLOCKS
+
+fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference, fmi3Float64) {
+  return refuse(instance, "fmi3ActivateModelPartition",
+                "expected Model Exchange or Co-Simulation, not scheduled execution");
+}
 
 // --- events -------------------------------------------------------------------------------------
 

@@ -24,6 +24,9 @@ constexpr double smallest_indicator = 1e-11;
 // costs three digits of fifteen.
 constexpr double difference_step = 1e-3;
 
+// An importer's clock may be off by its roundoff [s].
+constexpr double simultaneous_ticks = 1e-9;
+
 // An input that is a reference goes on for ever [s].
 constexpr double for_ever = 1e300;
 
@@ -330,8 +333,32 @@ void Instance::enter_event() {
   }
 }
 
+double Instance::sampling_time() const {
+  const auto found =
+      std::ranges::find(variables_, std::string_view(sampling_time_parameter), &Variable::name);
+  return row_[found->first];
+}
+
+void Instance::tick() {
+  const double T = sampling_time();
+  const double instant = std::round(time() / T) * T;
+  if (std::abs(time() - instant) > simultaneous_ticks) {
+    std::ostringstream message;
+    message.precision(std::numeric_limits<double>::digits10);
+    message << "sampling: expected ticks at multiples of " << T << " s, got one at " << time()
+            << " s";
+    throw std::invalid_argument(message.str());
+  }
+  group(Group::clock)[0] = 1.0;
+}
+
 Instance::Update Instance::update_discrete_states() {
   Update update;
+  double now = time();
+  for (double& ticks : group(Group::clock)) {
+    if (ticks != 0.0) now = std::max(now, std::round(now / sampling_time()) * sampling_time());
+    ticks = 0.0;
+  }
   if (kind_ == Kind::co_simulation) {
     change_inputs();
     simulation_->advance(time(), hybrid::Simulation::Stop::at_target,
@@ -340,12 +367,12 @@ Instance::Update Instance::update_discrete_states() {
     report_new_events();
   } else {
     const double next = system_->next_time_event(time());
-    const bool time_event = time() >= next - hybrid::simultaneous(next);
+    const bool time_event = now >= next - hybrid::simultaneous(next);
     const auto states = group(Group::state);
     if (time_event || input_changed_ || !fired_.empty()) {
       std::vector<hybrid::Change> changes;
       system_->handle_event(
-          time(), states.data(),
+          now, states.data(),
           {.fired = fired_, .time_event = time_event, .input_changed = input_changed_}, changes);
       report_changes(time(), changes);
       lift_indicators();

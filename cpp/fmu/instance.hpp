@@ -94,6 +94,12 @@ class Instance {
   void derivatives(std::span<double> values);
   void indicators(std::span<double> values);
 
+  // The samples of the position controllers are time events, and may be ticks of a clock as well:
+  // what ticks has come, however the importer rounds its instant. Throws std::invalid_argument if
+  // there is no sample at this instant.
+  void tick();
+  double sampling_time() const;
+
   // Finds out which indicators have fired at this instant.
   void enter_event();
   double latest_event() const { return latest_event_; }

@@ -120,7 +120,12 @@ def description_3(model: Model) -> bytes:
 
 def description_2(model: Model) -> bytes:
     """Return ``modelDescription.xml`` of FMI 2.0: every element of an array on its own."""
-    scalars = [scalar for variable in model.variables for scalar in _elements(variable)]
+    scalars = [
+        scalar
+        for variable in model.variables
+        if variable.group != "clock"  # which only FMI 3.0 knows
+        for scalar in _elements(variable)
+    ]
     root = ET.Element(
         "fmiModelDescription",
         {"fmiVersion": "2.0", "modelName": model.name, "guid": model.token} | _about(model),
@@ -193,6 +198,14 @@ def _add_common(root: ET.Element, model: Model) -> None:
 
 
 def _variable_3(variable: Variable) -> ET.Element:
+    if variable.group == "clock":
+        return ET.Element(
+            "Clock",
+            {"name": variable.name, "valueReference": str(variable.value_reference)},
+            description=variable.text,
+            causality="input",
+            intervalVariability="fixed",
+        )
     element = ET.Element(
         "Int32" if variable.is_integer else "Float64",
         {"name": variable.name, "valueReference": str(variable.value_reference)} | _kind(variable),
