@@ -124,8 +124,12 @@ def share_of_range(got, expected, t_end, jump=-1.0):
 # --- valid --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("fmi", FMI)
-@pytest.mark.parametrize("name", SCENARIOS)
+# Where every element of an array has a name, FMPy takes seconds to parse them all.
+@pytest.mark.parametrize(
+    ("name", "fmi"),
+    [(name, "3.0") for name in SCENARIOS]
+    + [(name, "2.0") for name in ("4", "one-axis", "torques")],
+)
 def test_validation_finds_nothing(exported, name, fmi):
     """The XML is that of the standard's schemas, names and structure are complete."""
     assert validate_fmu(exported(name, fmi)) == []
