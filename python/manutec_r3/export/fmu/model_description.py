@@ -223,6 +223,8 @@ def _variable_3(variable: Variable) -> ET.Element:
         element.set("derivative", str(variable.derivative_of))
     if variable.group == "state":
         element.set("reinit", "true")
+    if variable.group in _OUTPUTS:
+        element.set("intermediateUpdate", "true")
     return element
 
 
