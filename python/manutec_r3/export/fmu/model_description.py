@@ -164,6 +164,16 @@ def description_2(model: Model) -> bytes:
     return _as_bytes(root)
 
 
+def terminals_and_icons() -> bytes:
+    """Return ``terminalsAndIcons.xml`` of FMI 3.0: where the icon is, a square."""
+    root = ET.Element("fmiTerminalsAndIcons", fmiVersion="3.0")
+    graphics = ET.SubElement(root, "GraphicalRepresentation")
+    corners = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
+    ET.SubElement(graphics, "CoordinateSystem", corners, suggestedScalingFactorTo_mm="0.1")
+    ET.SubElement(graphics, "Icon", corners)
+    return _as_bytes(root)
+
+
 def _about(model: Model) -> dict[str, str]:
     return {
         "description": model.text,
