@@ -160,6 +160,13 @@ def test_a_variable_has_the_unit_of_the_robot(exported):
         assert units[name] == unit
 
 
+def test_an_axis_alone_has_no_load_and_no_tip(exported):
+    names = {v.name for v in fmpy.read_model_description(exported("one-axis")).modelVariables}
+    assert not names & {"load.mass", "load.position", "input.tip_force"}
+    names = {v.name for v in fmpy.read_model_description(exported("full-robot")).modelVariables}
+    assert names >= {"load.mass", "load.position", "input.tip_force"}
+
+
 @pytest.mark.parametrize(
     ("unit", "expected"),
     [

@@ -163,6 +163,7 @@ void Instance::put_inputs() {
   if (!axes_input(*recipe_.robot).empty()) {
     system_->set_input(inputs.subspan(recipe_.reference_is_input ? 2 * n : 0, n));
   }
+  if (!has_tip(*recipe_.robot)) return;
   std::array<double, 3> force;
   std::ranges::copy(inputs.last(3), force.begin());
   system_->set_tip_force(force);

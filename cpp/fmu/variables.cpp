@@ -62,8 +62,10 @@ void add_inputs(Row& row, const Recipe& recipe, const std::vector<double>& refer
   } else if (!of_axes.empty()) {
     add(of_axes.c_str(), "V", "Commands `u_c` to the rate controllers", n, recipe.input);
   }
-  add(tip_force_input, "N", "Force on the load, in the world", 3,
-      {recipe.tip_force.begin(), recipe.tip_force.end()});
+  if (has_tip(*recipe.robot)) {
+    add(tip_force_input, "N", "Force on the load, in the world", 3,
+        {recipe.tip_force.begin(), recipe.tip_force.end()});
+  }
 }
 
 template <std::size_t n>
@@ -119,6 +121,8 @@ void add_states(Row& row, const Recipe& recipe) {
 }
 
 }  // namespace
+
+bool has_tip(const robot::Robot& robot) { return robot.n_axes() > 1; }
 
 std::string axes_input(const robot::Robot& robot) {
   switch (robot.options().controller) {

@@ -45,6 +45,8 @@ inline constexpr const char* reference_angle_input = "input.reference_angle";
 inline constexpr const char* reference_rate_input = "input.reference_rate";
 inline constexpr const char* tip_force_input = "input.tip_force";
 inline constexpr const char* sampling_time_parameter = "table_1.T";
+// An axis alone has none that a force could act on.
+bool has_tip(const robot::Robot& robot);
 // rF without a controller, u_c with an external one; nothing otherwise.
 std::string axes_input(const robot::Robot& robot);
 
