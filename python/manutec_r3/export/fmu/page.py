@@ -42,7 +42,8 @@ def page(scenario: Scenario, model: Model, fmi: str) -> str:
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>{escape(model.name)}</title>
 <style>body {{ font-family: sans-serif; max-width: 60em; margin: 2em auto }}
-td, th {{ padding: 0.1em 0.6em; text-align: left !important; vertical-align: top }} table {{ margin: 1.5em 0 }}</style></head>
+td, th {{ padding: 0.1em 0.6em; text-align: left !important; vertical-align: top }}
+table {{ margin: 1.5em 0 }}</style></head>
 <body><h1>{escape(model.name)}</h1><p>{escape(model.text)}</p>
 <p>FMI {fmi}, by manutec_r3 {escape(model.version)}: the robot Manutec r3 with its drives and
 controllers (Franke, Otter: The Manutec r3 Benchmark Models for the Dynamic Simulation of Robots,
