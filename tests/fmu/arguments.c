@@ -102,7 +102,9 @@ TEST(MessagesOfACategoryComeIfTheyAreWanted) {
   CHECK(events_told(&instance) == 0);
   set_logging(&instance, true, 0, NULL);
   const int all = events_told(&instance);
-  if (find("state.rotor_rate") != NULL) CHECK(all > 0);
+  // Gears that follow a motion, not those that rest because nobody sets their reference.
+  const bool moves = find("state.rotor_rate") != NULL && find("input.reference_angle") == NULL;
+  if (moves) CHECK(all > 0);
   CHECK(all == 0 || (strcmp(instance.category, "logEvents") == 0 && instance.latest == STATUS_OK &&
                      strstr(instance.message, "t = ") != NULL));
   set_logging(&instance, false, 1, events);
