@@ -30,7 +30,16 @@ from .export import export_fmu, export_mjcf, export_urdf
 from .inputs import Input
 from .limits import LimitExcess
 from .many_runs import EventRecord, FinalRecord, PeakRecord, Results, simulate_many
-from .motion import FunctionMotion, Hold, Motion, Quintic, Sequence, Spline, Trapezoid
+from .motion import (
+    FunctionMotion,
+    Hold,
+    Motion,
+    PiecewisePolynomial,
+    Quintic,
+    Sequence,
+    Spline,
+    Trapezoid,
+)
 from .result import Result, Samples, Statistics
 from .robot import Load, Robot
 from .scenario import Scenario, scenarios
@@ -53,6 +62,7 @@ __all__ = [
     "Load",
     "Motion",
     "PeakRecord",
+    "PiecewisePolynomial",
     "Quintic",
     "Result",
     "Results",
