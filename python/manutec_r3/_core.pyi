@@ -148,6 +148,9 @@ def articulated_forward_dynamics(
     robot: Robot, q: _Floats, qd: _Floats, tau: _Floats, /
 ) -> _Floats: ...
 def inverse_dynamics(robot: Robot, q: _Floats, qd: _Floats, qdd: _Floats, /) -> _Floats: ...
+def inverse_dynamics_tape(robot: Robot, /) -> tuple[list[tuple[str, int, int, float]], list[int]]:
+    """Lines (operation, first operand, second operand, constant); where the torques are."""
+
 def mass_matrix(robot: Robot, q: _Floats, /) -> _Floats: ...
 def link_poses(robot: Robot, q: _Floats, /) -> _Floats:
     """Poses (n, 7, 4, 4) for angles (n, 6)."""
