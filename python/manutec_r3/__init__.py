@@ -24,7 +24,7 @@ from .comparison import (
     compare,
     compare_events,
 )
-from .errors import SimulationError, SimulationInterrupted
+from .errors import OptimisationError, SimulationError, SimulationInterrupted
 from .events import Event, Events
 from .export import export_fmu, export_mjcf, export_urdf
 from .inputs import Input
@@ -40,6 +40,7 @@ from .motion import (
     Spline,
     Trapezoid,
 )
+from .optimal import OptimalMotion, ParetoMotions, optimal_motion, pareto_motions
 from .result import Result, Samples, Statistics
 from .robot import Load, Robot
 from .scenario import Scenario, scenarios
@@ -61,6 +62,9 @@ __all__ = [
     "LimitExcess",
     "Load",
     "Motion",
+    "OptimalMotion",
+    "OptimisationError",
+    "ParetoMotions",
     "PeakRecord",
     "PiecewisePolynomial",
     "Quintic",
@@ -83,6 +87,8 @@ __all__ = [
     "export_fmu",
     "export_mjcf",
     "export_urdf",
+    "optimal_motion",
+    "pareto_motions",
     "plot",
     "scenarios",
     "simulate",
