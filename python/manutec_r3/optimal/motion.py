@@ -122,6 +122,7 @@ def optimal_motion(
     torque_per_volt: float | Floats | None = None,
     *,
     angle_limit: float | Floats | None = None,
+    smooth: bool = False,
     n_pieces: int = 40,
     starts: int = 1,
     limit_tolerance: float = 1e-3,
@@ -157,6 +158,10 @@ def optimal_motion(
         optimal control of this robot has 1.2 N m/V on axes 1 to 3.
     angle_limit : float or sequence of n_axes floats, optional
         Largest magnitude of the joint angles [rad]; default: ``joint_limits`` of Table 3.
+    smooth : bool
+        Whether accelerations are to be continuous, and zero at both ends: torques then do not jump,
+        which real gears and controllers could not follow. They change from one to another within a
+        piece, so that few pieces make a smooth motion.
     n_pieces : int
         Of the first mesh, which is refined where limits ask for it.
     starts : int
@@ -202,6 +207,7 @@ def optimal_motion(
         rate_limit,
         torque_per_volt,
         angle_limit,
+        smooth,
     )
     tolerance = _positive("limit_tolerance", limit_tolerance, "1")
     found = optimum(task, _count("n_pieces", n_pieces, 2), _count("starts", starts, 1), tolerance)
@@ -248,6 +254,7 @@ def _task(
     rate_limit: float | Floats | None,
     torque_per_volt: float | Floats | None,
     angle_limit: float | Floats | None,
+    smooth: bool,
 ) -> "Task":
     """Check the arguments; what is missing the robot's tables say."""
     from .problem import Task
@@ -265,6 +272,8 @@ def _task(
             "torque_per_volt: expected with effort='voltage' only, got "
             f"{torque_per_volt!r} with effort={effort!r}"
         )
+    if not isinstance(smooth, bool):
+        raise TypeError(f"smooth: expected True or False, got {smooth!r}")
     weight = number("effort_weight", effort_weight, "s per unit of the effort")
     if weight < 0.0:
         raise ValueError(f"effort_weight: expected none below 0, got {weight:g}")
@@ -301,6 +310,7 @@ def _task(
         torque_limit=given["torque_limit"],
         rate_limit=given["rate_limit"],
         angle_limit=given["angle_limit"],
+        smooth=smooth,
     )
 
 

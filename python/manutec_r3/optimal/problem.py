@@ -61,6 +61,8 @@ class Task:
         Joint side [rad/s].
     angle_limit : ndarray
         [rad], infinite where there is none.
+    smooth : bool
+        Whether accelerations are to be continuous, and zero at both ends.
     """
 
     robot: Robot
@@ -73,6 +75,7 @@ class Task:
     torque_limit: np.ndarray
     rate_limit: np.ndarray
     angle_limit: np.ndarray
+    smooth: bool
 
     @property
     def gear_ratio(self) -> np.ndarray:
@@ -190,6 +193,7 @@ def solve(
     weights = np.zeros(n)
     weights[: 3 * pieces.n] = np.multiply.outer(pieces.length, RADAU_WEIGHTS).ravel()
     M = _linear_map(pieces, points, n_axes)
+    jumps = _jumps_of_acceleration(pieces, n_axes) if task.smooth else ca.DM(0, M.shape[1])
 
     v = ca.MX.sym("v", M.shape[1])
     none = ca.MX.sym("none", 0)
@@ -201,12 +205,14 @@ def solve(
     of_time = ca.DM.zeros(M.shape[1])
     of_time[-1] = task.time_weight
     of_cost = ca.MX.sym("of_cost")
-    of_limits = ca.MX.sym("of_limits", limited.numel())
-    hessian = ask.hessian.map(n)(z, weight, of_cost, ca.reshape(of_limits, -1, n))
+    multipliers = ca.MX.sym("multipliers", limited.numel() + jumps.shape[0])
+    of_limits = ca.reshape(multipliers[: limited.numel()], -1, n)
+    hessian = ask.hessian.map(n)(z, weight, of_cost, of_limits)
+    constraints = ca.vertcat(ca.vec(limited), jumps @ v)
     solver = ca.nlpsol(
         "optimal_motion",
         "ipopt",
-        {"x": v, "p": none, "f": objective, "g": ca.vec(limited)},
+        {"x": v, "p": none, "f": objective, "g": constraints},
         {
             "grad_f": ca.Function(
                 "grad_f",
@@ -218,13 +224,13 @@ def solve(
             "jac_g": ca.Function(
                 "jac_g",
                 [v, none],
-                [ca.vec(limited), _diagonal(jacobian, n) @ M],
+                [constraints, ca.vertcat(_diagonal(jacobian, n) @ M, jumps)],
                 ["x", "p"],
                 ["g", "jac_g_x"],
             ),
             "hess_lag": ca.Function(
                 "hess_lag",
-                [v, none, of_cost, of_limits],
+                [v, none, of_cost, multipliers],
                 [ca.triu(M.T @ (_diagonal(hessian, n) @ M))],
                 ["x", "p", "lam_f", "lam_g"],
                 ["triu_hess_gamma_x_x"],
@@ -241,7 +247,10 @@ def solve(
         },
     )
     lower, upper = _bounds(task, pieces)
-    found = solver(x0=np.append(guess.T.ravel(), duration), lbx=lower, ubx=upper, lbg=-1.0, ubg=1.0)
+    largest = np.append(np.ones(limited.numel()), np.zeros(jumps.shape[0]))
+    found = solver(
+        x0=np.append(guess.T.ravel(), duration), lbx=lower, ubx=upper, lbg=-largest, ubg=largest
+    )
     statistics = solver.stats()
     values = found["x"].full().ravel()
     return Solution(
@@ -273,6 +282,16 @@ def _linear_map(pieces: Pieces, points: Points, n_axes: int) -> ca.DM:
             values.append(matrix[point, unknown])
     entries = (np.concatenate(parts).tolist() for parts in (rows, columns, values))
     return ca.DM.triplet(*entries, n * n_z, pieces.n_unknowns * n_axes + 1)
+
+
+def _jumps_of_acceleration(pieces: Pieces, n_axes: int) -> ca.DM:
+    """Return the matrix that gives jumps of d^2q/ds^2 at all mesh points, from and to rest."""
+    all_pieces = np.arange(pieces.n)
+    after = pieces.matrix(Points(all_pieces, np.zeros(pieces.n)), 2)
+    before = pieces.matrix(Points(all_pieces, np.ones(pieces.n)), 2)
+    of_axis = np.pad(after, ((0, 1), (0, 0))) - np.pad(before, ((1, 0), (0, 0)))
+    of_axes = np.kron(np.eye(n_axes), of_axis)
+    return ca.sparsify(ca.DM(np.pad(of_axes, ((0, 0), (0, 1)))))
 
 
 def _diagonal(blocks: ca.MX, n: int) -> ca.MX:

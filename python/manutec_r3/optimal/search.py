@@ -4,7 +4,8 @@ A task is solved on equal pieces, from one guess or several. In a piece in which
 jumps from limit to limit no three points can keep it there, and when it jumps matters: such pieces
 are cut into four, with more points. Elsewhere, and after that, points are added where limits are
 exceeded between them, until they are not by more than a tolerance. The mesh never moves by itself:
-a solver that may choose it finds motions that only the points believe in.
+a solver that may choose it finds motions that only the points believe in. Where accelerations are
+to be continuous nothing jumps, and nothing is cut.
 """
 
 from dataclasses import dataclass
@@ -75,7 +76,7 @@ def optimum(task: Task, n_pieces: int, starts: int, limit_tolerance: float) -> F
     ]
     objectives = tuple(s.objective if s.succeeded else np.inf for s in solved)
     best = solved[int(np.argmin(objectives))]
-    for may_cut in (True, *[False] * _MOST_ROUNDS):
+    for may_cut in (not task.smooth, *[False] * _MOST_ROUNDS):
         if not best.succeeded:
             raise OptimisationError(f"IPOPT found no motion within the limits: {best.status}")
         excess = _excess(task, best)
