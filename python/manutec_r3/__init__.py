@@ -41,6 +41,7 @@ from .motion import (
     Trapezoid,
 )
 from .optimal import OptimalMotion, ParetoMotions, optimal_motion, pareto_motions
+from .paths import fastest_along, jerk_limited_motion
 from .result import Result, Samples, Statistics
 from .robot import Load, Robot
 from .scenario import Scenario, scenarios
@@ -87,6 +88,8 @@ __all__ = [
     "export_fmu",
     "export_mjcf",
     "export_urdf",
+    "fastest_along",
+    "jerk_limited_motion",
     "optimal_motion",
     "pareto_motions",
     "plot",

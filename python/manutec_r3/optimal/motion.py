@@ -5,11 +5,21 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
-from ..arguments import Floats, number, per_axis
+from ..arguments import Floats, number
 from ..errors import OptimisationError
 from ..files.missing import missing
 from ..inputs import Input
 from ..motion import PiecewisePolynomial
+from ..motor_limits import (
+    angles,
+    check_motors_are_known,
+    count,
+    gear_ratios,
+    positive,
+    positive_per_axis,
+    rate_limits,
+    torque_limits,
+)
 from ..robot import Robot
 from ..simulation import simulate
 
@@ -107,7 +117,7 @@ class OptimalMotion(PiecewisePolynomial):
             Torques [N m], motor side.
         """
         tau = self.robot.inverse_dynamics(self.angle(t), self.rate(t), self.acceleration(t))
-        return tau / self.robot.parameters["table_1"]["p"][: self.n_axes]
+        return tau / gear_ratios(self.robot)
 
 
 def optimal_motion(
@@ -209,8 +219,8 @@ def optimal_motion(
         angle_limit,
         smooth,
     )
-    tolerance = _positive("limit_tolerance", limit_tolerance, "1")
-    found = optimum(task, _count("n_pieces", n_pieces, 2), _count("starts", starts, 1), tolerance)
+    tolerance = positive("limit_tolerance", limit_tolerance, "1")
+    found = optimum(task, count("n_pieces", n_pieces, 2), count("starts", starts, 1), tolerance)
     solution = found.solution
     motion = OptimalMotion(
         solution.duration * solution.pieces.mesh,
@@ -259,12 +269,7 @@ def _task(
     """Check the arguments; what is missing the robot's tables say."""
     from .problem import Task
 
-    if not isinstance(robot, Robot):
-        raise TypeError(f"robot: expected a Robot, got {robot!r}")
-    if robot.model not in (1, 2, 3, 4):
-        raise ValueError(
-            f"robot: expected model 1, 2, 3 or 4, whose motors are known, got {robot.model!r}"
-        )
+    check_motors_are_known(robot)
     if effort not in get_args(Effort):
         raise ValueError(f"effort: expected 'torque' or 'voltage', got {effort!r}")
     if torque_per_volt is not None and effort != "voltage":
@@ -278,24 +283,20 @@ def _task(
     if weight < 0.0:
         raise ValueError(f"effort_weight: expected none below 0, got {weight:g}")
     n = robot.n_axes
-    motors, arms = robot.parameters["table_1"], robot.parameters["table_3"]
-    ratio = np.abs(motors["p"][:n])
-    limits = {
-        "torque_limit": (torque_limit, "N m", motors["rF_max"][:n]),
-        "rate_limit": (rate_limit, "rad/s", motors["rotor_rate_max"][:n] / ratio),
-        "angle_limit": (angle_limit, "rad", arms["joint_limits"][:n]),
-        "torque_per_volt": (torque_per_volt, "N m/V", motors["K_M"][:n]),
+    others = {
+        "angle_limit": (angle_limit, "rad", robot.parameters["table_3"]["joint_limits"]),
+        "torque_per_volt": (torque_per_volt, "N m/V", robot.parameters["table_1"]["K_M"]),
     }
     given = {
-        name: np.array(usual) if value is None else _positive_per_axis(name, value, unit, n)
-        for name, (value, unit, usual) in limits.items()
+        name: np.array(usual[:n]) if value is None else positive_per_axis(name, value, unit, n)
+        for name, (value, unit, usual) in others.items()
     }
-    ends = {name: _angles(name, value, n) for name, value in (("start", start), ("end", end))}
-    for name, angles in ends.items():
-        for axis in np.flatnonzero(np.abs(angles) > given["angle_limit"]):
+    ends = {name: angles(name, value, n) for name, value in (("start", start), ("end", end))}
+    for name, there in ends.items():
+        for axis in np.flatnonzero(np.abs(there) > given["angle_limit"]):
             raise ValueError(
                 f"{name} of axis {axis + 1}: expected an angle within "
-                f"+-{given['angle_limit'][axis]:g} rad, got {angles[axis]:g} rad"
+                f"+-{given['angle_limit'][axis]:g} rad, got {there[axis]:g} rad"
             )
     if (ends["start"] == ends["end"]).all():
         raise ValueError(f"end: expected other angles than at the start [rad], got {end!r}")
@@ -303,53 +304,15 @@ def _task(
         robot,
         ends["start"],
         ends["end"],
-        None if duration is None else _positive("duration", duration, "s"),
+        None if duration is None else positive("duration", duration, "s"),
         time_weight=1.0 if duration is None else 0.0,
         effort_weight=weight if duration is None else 1.0,
         effort_scale=given["torque_per_volt"] if effort == "voltage" else np.ones(n),
-        torque_limit=given["torque_limit"],
-        rate_limit=given["rate_limit"],
+        torque_limit=torque_limits(robot, torque_limit),
+        rate_limit=rate_limits(robot, rate_limit),
         angle_limit=given["angle_limit"],
         smooth=smooth,
     )
-
-
-def _angles(name: str, value: Floats, n_axes: int) -> np.ndarray:
-    angles = per_axis(name, value, "rad", n_axes)
-    if angles.ndim != 1:
-        raise ValueError(f"{name}: expected {n_axes} angles [rad], got shape {angles.shape}")
-    return angles
-
-
-def _positive_per_axis(name: str, value: float | Floats, unit: str, n_axes: int) -> np.ndarray:
-    """One for all axes, or one for each."""
-    if np.ndim(value) == 0:
-        return np.full(n_axes, _positive(name, value, unit))
-    values = per_axis(name, value, unit, n_axes)
-    if values.ndim != 1:
-        raise ValueError(
-            f"{name}: expected one number [{unit}] or {n_axes} of them, got shape {values.shape}"
-        )
-    for axis in np.flatnonzero(values <= 0.0):
-        raise ValueError(
-            f"{name} of axis {axis + 1}: expected more than 0 {unit}, got {values[axis]:g} {unit}"
-        )
-    return values
-
-
-def _positive(name: str, value: Any, unit: str) -> float:
-    positive = number(name, value, unit)
-    if positive <= 0.0:
-        raise ValueError(f"{name}: expected more than 0 [{unit}], got {positive:g}")
-    return positive
-
-
-def _count(name: str, value: Any, least: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, int | np.integer):
-        raise TypeError(f"{name}: expected a whole number, got {value!r}")
-    if value < least:
-        raise ValueError(f"{name}: expected {least} or more, got {value}")
-    return int(value)
 
 
 # --- what is found out about a motion, by the core ------------------------------------------------

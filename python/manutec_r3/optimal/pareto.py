@@ -53,7 +53,24 @@ class ParetoMotions(Sequence):
         return np.array([motion.effort for motion in self.motions])
 
     def plot(self, axes: "np.ndarray | Figure | None" = None) -> np.ndarray:
-        """Draw the curve and the arm along its motions, see `plot.pareto`."""
+        """Draw the curve of time and effort, and the arm along three of the motions.
+
+        Parameters
+        ----------
+        axes : ndarray of Axes (1, 4) or Figure, optional
+            Where to draw; default: a new figure. See `plot.pareto`.
+
+        Returns
+        -------
+        ndarray of Axes (1, 4)
+
+        Raises
+        ------
+        ValueError, TypeError
+            What was expected, what arrived.
+        ImportError
+            If Matplotlib is not installed.
+        """
         from .. import plot
 
         return plot.pareto(self, axes=axes)

@@ -25,6 +25,7 @@ from time import perf_counter
 import casadi as ca
 import numpy as np
 
+from ..motor_limits import gear_ratios
 from ..robot import Robot
 from .dynamics import inverse_dynamics
 from .pieces import RADAU_POINTS, RADAU_WEIGHTS, Pieces, Points
@@ -80,7 +81,7 @@ class Task:
     @property
     def gear_ratio(self) -> np.ndarray:
         """Of each axis."""
-        return np.array(self.robot.parameters["table_1"]["p"][: self.robot.n_axes])
+        return gear_ratios(self.robot)
 
     @cached_property
     def at_point(self) -> "_AtPoint":
