@@ -1,7 +1,7 @@
 """Exported robots step by step, through FMPy: states, indicators, derivatives, wrong calls."""
 
 from concurrent.futures import ThreadPoolExecutor
-from ctypes import c_double
+from ctypes import c_double, c_int, c_uint
 
 import numpy as np
 import pytest
@@ -168,6 +168,29 @@ def test_samples_are_time_events(path):
         importer.fmu.enterEventMode()
         *_, when = importer.fmu.updateDiscreteStates()
     assert times == [k * 0.008 for k in range(1, 6)]
+
+
+def test_an_importer_may_let_the_clock_of_the_samples_tick(path):
+    """However it rounds the instant; elsewhere it may not."""
+    importer = Importer(path(SAMPLED), "ModelExchange")
+    clock = [importer.variables["sampling"].valueReference]
+    interval, shift = (c_double * 1)(), (c_double * 1)()
+    references = (c_uint * 1)(*clock)
+    importer.fmu.getIntervalDecimal(references, interval, (c_int * 1)())
+    importer.fmu.getShiftDecimal(references, shift)
+    assert (interval[0], shift[0]) == (0.008, 0.0)
+    importer.begin()
+    importer.fmu.setTime(0.008 * (1.0 - 1e-12))
+    importer.fmu.enterEventMode()
+    importer.fmu.setClock(clock, [True])
+    *_, defined, when = importer.fmu.updateDiscreteStates()
+    assert defined and when == 0.016
+    importer.fmu.enterContinuousTimeMode()
+    importer.fmu.setTime(0.012)
+    importer.fmu.enterEventMode()
+    with pytest.raises(Exception, match=r"failed with status 3 \(error\)"):
+        importer.fmu.setClock(clock, [True])
+    assert "expected ticks at multiples of 0.008 s, got one at 0.012 s" in importer.messages[-1][1]
 
 
 def test_directional_derivatives_are_those_of_the_closed_form(path):
@@ -370,7 +393,7 @@ def test_a_communication_point_must_be_where_the_instance_is(path):
     importer.fmu.doStep(0.0, 0.01)
     with pytest.raises(Exception, match=r"failed with status 3 \(error\)"):
         importer.fmu.doStep(0.5, 0.01)
-    assert "communication point: expected 0.01 s, got 0.5 s" in importer.messages[-1][1]
+    assert "communication point: expected 0.01 s, got 0.5" in importer.messages[-1][1]
 
 
 def test_another_token_is_refused(path, tmp_path):

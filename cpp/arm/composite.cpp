@@ -216,7 +216,7 @@ std::array<Turn, N> turns_of(const VectorView<N>& q) {
   std::array<double, N - 1> angles;
   for (int j = 1; j < N; ++j) angles[j - 1] = q[j];
   const auto [sine, cosine] = sines_and_cosines<N - 1>(angles);
-  std::array<Turn, N> turns;
+  std::array<Turn, N> turns{};
   for (int j = 1; j < N; ++j) turns[j] = {cosine[j - 1], sine[j - 1]};
   return turns;
 }

@@ -19,8 +19,8 @@ namespace {
 
 // As the enum Group has them.
 constexpr std::array<std::string_view, fmu::n_groups> group_names = {
-    "time",   "parameter", "input", "signal",     "energy",
-    "branch", "n_events",  "state", "derivative", "indicator"};
+    "time",     "parameter", "input",      "signal",    "energy", "branch",
+    "n_events", "state",     "derivative", "indicator", "clock"};
 
 // As tuples (name, unit, description, group, shape, value reference, start values, nominal values,
 // value reference of the state that it is the derivative of).

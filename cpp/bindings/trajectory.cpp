@@ -137,8 +137,8 @@ Array energies_at(std::shared_ptr<const robot::Robot> robot, const robot::Inputs
 }
 
 // Instants to record (n,), and the step (n,) that each belongs to.
-py::tuple instants(const Trajectory& trajectory, const Array& event_times,
-                   const std::optional<Array>& times) {
+py::tuple instants_of(const Trajectory& trajectory, const Array& event_times,
+                      const std::optional<Array>& times) {
   const auto [time, step] = trajectory.instants(
       as_span(event_times), times ? std::optional(as_span(*times)) : std::nullopt);
   return py::make_tuple(as_array(time), Indices(step.size(), step.data()));
@@ -230,7 +230,7 @@ void register_trajectory(py::module_& module) {
       .def_property_readonly("end", [](const Trajectory& t) { return as_array(t.end); })
       .def("steps_at", &steps_at)
       .def("until", &Trajectory::until)
-      .def("instants", &instants)
+      .def("instants", &instants_of)
       .def(py::init(&from_parts))
       .def_property_readonly("parts", &parts)
       .def("__reduce__", [](const py::object& self) {

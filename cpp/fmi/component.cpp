@@ -24,22 +24,35 @@ struct Ended : std::runtime_error {
 };
 
 std::string names_of(unsigned phases) {
-  constexpr std::pair<Phase, std::string_view> names[] = {
+  constexpr std::pair<unsigned, std::string_view> names[] = {
+      {created, "instantiated"},
       {instantiated, "instantiated"},
+      {set_up, "set up"},
       {initialisation, "initialization mode"},
       {event_mode, "event mode"},
+      {event_begun, "event mode before its update"},
+      {event_handled, "event mode after its update"},
       {continuous_time, "continuous-time mode"},
       {step_mode, "step mode"},
+      {intermediate_update, "intermediate update mode"},
       {terminated, "terminated"},
       {failed, "failed"},
   };
   std::string list;
-  for (const auto& [phase, name] : names) {
-    if ((phases & phase) == 0) continue;
+  for (const auto& [some, name] : names) {
+    if ((phases & some) != some) continue;
+    phases &= ~some;
     if (!list.empty()) list += " or ";
     list += name;
   }
   return list;
+}
+
+[[noreturn]] void refuse_number(const char* what, const char* expected, double got) {
+  std::ostringstream message;
+  message.precision(std::numeric_limits<double>::digits10);
+  message << what << ": expected " << expected << ", got " << got;
+  throw std::invalid_argument(message.str());
 }
 
 fmu::Recipe read(const std::string& resources, const std::string& token) {
@@ -53,11 +66,38 @@ fmu::Recipe read(const std::string& resources, const std::string& token) {
   return fmu::recipe_from(file);
 }
 
+// Puts a state where an importer keeps it.
+void put(fmu::SavedState saved, void** state) {
+  void*& kept = place("state", state);
+  if (kept == nullptr) {
+    kept = new fmu::SavedState(std::move(saved));
+  } else {
+    *static_cast<fmu::SavedState*>(kept) = std::move(saved);
+  }
+}
+
+const fmu::SavedState& as_saved(void* state) {
+  return place("state", static_cast<fmu::SavedState*>(state));
+}
+
 }  // namespace
 
-Component::Component(const std::string& resources, const std::string& token, fmu::Kind kind,
-                     Log log)
-    : kind(kind), recipe_(read(resources, token)), log_(std::move(log)) {
+void refuse_null(const char* argument) {
+  throw std::invalid_argument(std::string(argument) + ": expected a pointer, got NULL");
+}
+
+Component::Component(const char* name, const std::string& resources, const char* token,
+                     fmu::Kind kind, Log log)
+    : kind(kind),
+      possible(between_steps),
+      token_(token != nullptr ? token : ""),
+      recipe_(read(resources, token_)),
+      log_(std::move(log)) {
+  if (name == nullptr || std::string_view(name).find_first_not_of(" \t\r\n") == std::string::npos) {
+    throw std::invalid_argument("instance name: expected one that is not empty");
+  }
+  possible &=
+      ~(kind == fmu::Kind::model_exchange ? unsigned(step_mode) : continuous_time | event_mode);
   instance = new_instance();
 }
 
@@ -101,53 +141,74 @@ Status Component::refuse(const char* function, const std::string& reason) {
   return Status::error;
 }
 
-void Component::reset() {
-  instance = new_instance();
-  phase = instantiated;
-}
-
-void Component::set_logging(bool on, std::vector<std::string> categories) {
-  logging_ = on;
-  categories_ = std::move(categories);
-}
-
-void Component::log(Status status, const char* category, const std::string& message) const {
-  // Errors are told in any case.
-  const bool wanted = status >= Status::discard ||
-                      (logging_ && (categories_.empty() ||
-                                    std::ranges::find(categories_, category) != categories_.end()));
-  if (wanted && log_) log_(status, category, message);
-}
-
-void Component::begin_initialisation(std::optional<double> tolerance, double start_time,
-                                     std::optional<double> stop_time) {
-  const auto refuse_time = [](const char* what, const char* expected, double got) {
-    std::ostringstream message;
-    message << what << ": expected " << expected << ", got " << got;
-    throw std::invalid_argument(message.str());
-  };
-  // The robot rests at the beginning of its motion.
-  if (start_time != 0.0) refuse_time("start time", "0 s, where motions begin", start_time);
-  if (stop_time && !(*stop_time > start_time)) {
-    refuse_time("stop time", "a time after the start [s]", *stop_time);
-  }
-  if (tolerance) {
-    if (!(*tolerance > 0.0 && std::isfinite(*tolerance))) {
-      refuse_time("tolerance", "a positive number", *tolerance);
-    }
-    instance->set_tolerance(*tolerance);
-  }
-  phase = initialisation;
-}
-
-void Component::end_initialisation(unsigned next) {
+// What must not fail in the middle.
+void Component::without_return(const std::function<void()>& action) {
   try {
-    instance->end_initialisation();
+    action();
   } catch (const std::exception& error) {
     throw Ended(error.what());
   }
-  phase = static_cast<Phase>(next);
 }
+
+void Component::reset() {
+  instance = new_instance();
+  stop_time_ = hybrid::never;
+  phase = instantiated;
+}
+
+void Component::set_logging(bool on, std::span<const char* const> categories) {
+  std::array<bool, n_categories> wanted = wanted_;
+  if (categories.empty()) wanted.fill(on);
+  for (const char* category : categories) {
+    if (category == nullptr) refuse_null("category");
+    const auto found = std::ranges::find(category_names, std::string_view(category));
+    if (found == category_names.end()) {
+      throw std::invalid_argument(
+          std::string("log category: expected one that the model has, got ") + category);
+    }
+    wanted[found - category_names.begin()] = on;
+  }
+  wanted_ = wanted;
+}
+
+void Component::log(Status status, Category category, const std::string& message) const {
+  // Errors are told in any case.
+  if (status >= Status::error || wanted_[category]) {
+    log_(status, category_names[category], message);
+  }
+}
+
+void Component::set_up_experiment(std::optional<double> tolerance, double start_time,
+                                  std::optional<double> stop_time) {
+  // The robot rests at the beginning of its motion.
+  if (start_time != 0.0) refuse_number("start time", "0 s, where motions begin", start_time);
+  if (stop_time && !(*stop_time > start_time && std::isfinite(*stop_time))) {
+    refuse_number("stop time", "a time after the start [s]", *stop_time);
+  }
+  if (tolerance) instance->set_tolerance(*tolerance);
+  stop_time_ = stop_time.value_or(hybrid::never);
+}
+
+void Component::end_initialisation() {
+  without_return([this] { instance->end_initialisation(); });
+  phase = (possible & event_mode) != 0 ? event_begun : step_mode;
+}
+
+namespace {
+
+std::pair<Component::Type, const char*> type_of(fmu::Group group) {
+  switch (group) {
+    case fmu::Group::branch:
+    case fmu::Group::n_events:
+      return {Component::Type::integer, "integer"};
+    case fmu::Group::clock:
+      return {Component::Type::clock, "clock"};
+    default:
+      return {Component::Type::real, "real"};
+  }
+}
+
+}  // namespace
 
 std::vector<Component::Range> Component::ranges(std::span<const unsigned> references,
                                                 Elements elements, std::optional<Type> type,
@@ -161,11 +222,9 @@ std::vector<Component::Range> Component::ranges(std::span<const unsigned> refere
       throw std::invalid_argument("value reference " + std::to_string(reference) +
                                   ": expected the first element of " + variable.name);
     }
-    const bool is_integer =
-        variable.group == fmu::Group::branch || variable.group == fmu::Group::n_events;
-    if (type && is_integer != (*type == Type::integer)) {
-      throw std::invalid_argument(variable.name + ": it has another type, " +
-                                  (is_integer ? "integer" : "real"));
+    const auto& [its_type, its_name] = type_of(variable.group);
+    if (type && its_type != *type) {
+      throw std::invalid_argument(variable.name + ": it has another type, " + its_name);
     }
     const int n = elements == Elements::whole ? variable.size : 1;
     ranges.push_back({static_cast<int>(reference), n});
@@ -181,19 +240,25 @@ void Component::expect(const char* what, std::size_t expected, std::size_t got) 
                               ", got " + std::to_string(got));
 }
 
-void Component::get(std::span<const Range> ranges, double* values) {
+void Component::get(std::span<const Range> ranges, std::span<double> values) {
   for (const Range& range : ranges) {
-    const auto n = static_cast<std::size_t>(range.size);
-    instance->get(range.first, {values, n});
-    values += n;
+    instance->get(range.first, values.first(range.size));
+    values = values.subspan(range.size);
   }
 }
 
-void Component::set(std::span<const Range> ranges, const double* values) {
+void Component::set(std::span<const Range> ranges, std::span<const double> values) {
+  // In continuous-time mode states can be set one by one.
+  const auto states =
+      phase == continuous_time ? fmu::Instance::States::can_be_set : fmu::Instance::States::follow;
+  std::span<const double> rest = values;
   for (const Range& range : ranges) {
-    const auto n = static_cast<std::size_t>(range.size);
-    instance->set(range.first, {values, n});
-    values += n;
+    instance->check(range.first, rest.first(range.size), states);
+    rest = rest.subspan(range.size);
+  }
+  for (const Range& range : ranges) {
+    instance->set(range.first, values.first(range.size));
+    values = values.subspan(range.size);
   }
 }
 
@@ -210,9 +275,28 @@ void Component::directional_derivative(std::span<const Range> unknowns,
   instance->directional_derivative(places(unknowns), places(knowns), seed, sensitivity);
 }
 
+// --- Model Exchange -----------------------------------------------------------------------------
+
+void Component::enter_event_mode() {
+  // FMI 2 allows it once more.
+  if (phase == continuous_time) instance->enter_event();
+  phase = event_begun;
+}
+
+fmu::Instance::Update Component::update_discrete_states() {
+  fmu::Instance::Update update;
+  without_return([&] { update = instance->update_discrete_states(); });
+  phase = event_handled;
+  return update;
+}
+
 void Component::set_time(double t) {
-  if (!std::isfinite(t)) {
-    throw std::invalid_argument("time: expected a finite number [s], got " + std::to_string(t));
+  // Beyond the stop time importers look with steps that they cut off later.
+  const double earliest = instance->latest_event();
+  if (!(t >= earliest && std::isfinite(t))) {
+    std::ostringstream expected;
+    expected << "a finite time not before the latest event, " << earliest << " s";
+    refuse_number("time", expected.str().c_str(), t);
   }
   instance->set_time(t);
 }
@@ -227,6 +311,16 @@ void Component::set_states(std::span<const double> x) {
   instance->set_states(x);
 }
 
+void Component::get_states(std::span<double> x) {
+  expect("states", instance->n_states(), x.size());
+  std::ranges::copy(instance->states(), x.begin());
+}
+
+void Component::get_nominals(std::span<double> nominals) const {
+  expect("states", instance->n_states(), nominals.size());
+  std::ranges::copy(instance->nominals(), nominals.begin());
+}
+
 void Component::derivatives(std::span<double> values) {
   expect("derivatives", instance->n_states(), values.size());
   instance->derivatives(values);
@@ -236,28 +330,69 @@ void Component::derivatives(std::span<double> values) {
   }
 }
 
-void Component::check_communication_point(double t, double step) const {
-  std::ostringstream message;
-  message.precision(std::numeric_limits<double>::digits10);
-  if (!(std::abs(t - instance->time()) <= meeting_tolerance * (1.0 + std::abs(t)))) {
-    message << "communication point: expected " << instance->time() << " s, got " << t << " s";
-    throw std::invalid_argument(message.str());
+void Component::indicators(std::span<double> values) {
+  expect("indicators", instance->n_indicators(), values.size());
+  instance->indicators(values);
+}
+
+// --- Co-Simulation ------------------------------------------------------------------------------
+
+bool Component::do_step(double t, double step, fmu::Instance::Stop stop,
+                        const fmu::Instance::LookUp& look_up) {
+  const double now = instance->time();
+  const double tolerance = meeting_tolerance * (1.0 + std::abs(now));
+  if (!(std::abs(t - now) <= tolerance)) {
+    std::ostringstream expected;
+    expected << now << " s";
+    refuse_number("communication point", expected.str().c_str(), t);
   }
   if (!(step > 0.0 && std::isfinite(step))) {
-    message << "communication step: expected a positive time [s], got " << step;
-    throw std::invalid_argument(message.str());
+    refuse_number("communication step", "a positive time [s]", step);
   }
+  if (t + step > stop_time_ + meeting_tolerance * (1.0 + stop_time_)) {
+    refuse_number("communication step", "one that ends at the stop time at the latest [s]", step);
+  }
+  bool event = false;
+  without_return([&] { event = instance->advance(t + step, stop, look_up); });
+  return event;
 }
 
-fmu::SavedState Component::save() const {
+// --- the state of the FMU -----------------------------------------------------------------------
+
+void Component::get_state(void** state) const {
   fmu::SavedState saved = instance->save();
-  saved.phase = static_cast<int>(phase);
-  return saved;
+  saved.token = token_;
+  saved.kind = kind;
+  saved.phase = phase;
+  saved.stop_time = stop_time_;
+  put(std::move(saved), state);
 }
 
-void Component::restore(const fmu::SavedState& saved) {
+void Component::set_state(void* state) {
+  const fmu::SavedState& saved = as_saved(state);
+  if (saved.token != token_) {
+    throw std::invalid_argument("state: expected one of this FMU");
+  }
+  if (saved.kind != kind || (saved.phase & possible) == 0) {
+    throw std::invalid_argument("state: expected one of an instance of the same kind");
+  }
   instance->restore(saved);
   phase = static_cast<Phase>(saved.phase);
+  stop_time_ = saved.stop_time;
+}
+
+void Component::free_state(void** state) {
+  if (state == nullptr) return;
+  delete static_cast<fmu::SavedState*>(*state);
+  *state = nullptr;
+}
+
+std::vector<unsigned char> Component::serialise(void* state) {
+  return fmu::bytes_of(as_saved(state));
+}
+
+void Component::deserialise(std::span<const unsigned char> bytes, void** state) {
+  put(fmu::saved_state_from(bytes), state);
 }
 
 }  // namespace manutec_r3::fmi

@@ -16,27 +16,21 @@ namespace {
 
 using namespace manutec_r3;
 using fmi::Component;
+using fmi::list;
+using fmi::place;
 using fmu::Kind;
 using Elements = Component::Elements;
 using Type = Component::Type;
-
-struct Instance2 final : Component {
-  using Component::Component;
-
-  bool is_set_up = false;
-  std::optional<double> tolerance, stop_time;
-  double start_time = 0.0;
-};
 
 fmi2Status as_fmi2(fmi::Status status) { return static_cast<fmi2Status>(status); }
 
 template <class... Arguments>
 fmi2Status call(fmi2Component component, Arguments&&... arguments) {
   if (component == nullptr) return fmi2Error;
-  return as_fmi2(static_cast<Instance2*>(component)->call(std::forward<Arguments>(arguments)...));
+  return as_fmi2(static_cast<Component*>(component)->call(std::forward<Arguments>(arguments)...));
 }
 
-Instance2& of(fmi2Component component) { return *static_cast<Instance2*>(component); }
+Component& of(fmi2Component component) { return *static_cast<Component*>(component); }
 
 fmi2Status refuse(fmi2Component component, const char* function, const char* reason) {
   if (component == nullptr) return fmi2Error;
@@ -72,11 +66,9 @@ std::string path_of(std::string_view location) {
   return path;
 }
 
-fmi2Status with_range(fmi2Component component, const char* function, unsigned phases, Type type,
-                      const fmi2ValueReference references[], size_t n,
-                      const std::function<void(std::span<const Component::Range>)>& action) {
-  return call(component, function, phases,
-              [&] { action(of(component).ranges({references, n}, Elements::single, type, n)); });
+auto ranges(fmi2Component component, const fmi2ValueReference references[], size_t n,
+            std::optional<Type> type) {
+  return of(component).ranges(list("value references", references, n), Elements::single, type, n);
 }
 
 }  // namespace
@@ -90,59 +82,54 @@ const char* fmi2GetVersion() { return fmi2Version; }
 
 fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t n,
                                const fmi2String categories[]) {
-  return call(component, "fmi2SetDebugLogging", fmi::any_phase,
-              [&] { of(component).set_logging(on, {categories, categories + n}); });
+  return call(component, "fmi2SetDebugLogging", fmi::between_steps,
+              [&] { of(component).set_logging(on, list("categories", categories, n)); });
 }
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions* callbacks, fmi2Boolean,
                               fmi2Boolean logging) {
+  const auto logger = callbacks != nullptr ? callbacks->logger : nullptr;
+  const auto environment = callbacks != nullptr ? callbacks->componentEnvironment : nullptr;
   const std::string instance_name = name != nullptr ? name : "";
-  const auto log = [callbacks, instance_name](fmi::Status status, const char* category,
-                                              const std::string& message) {
-    if (callbacks == nullptr || callbacks->logger == nullptr) return;
-    callbacks->logger(callbacks->componentEnvironment, instance_name.c_str(), as_fmi2(status),
-                      category, "%s", message.c_str());
+  const auto log = [logger, environment, instance_name](fmi::Status status, const char* category,
+                                                        const std::string& message) {
+    if (logger == nullptr) return;
+    logger(environment, instance_name.c_str(), as_fmi2(status), category, "%s", message.c_str());
   };
   const Kind kind = type == fmi2ModelExchange ? Kind::model_exchange : Kind::co_simulation;
   try {
-    auto instance = std::make_unique<Instance2>(path_of(resources != nullptr ? resources : ""),
-                                                guid != nullptr ? guid : "", kind, log);
+    auto instance = std::make_unique<Component>(
+        name, path_of(resources != nullptr ? resources : ""), guid, kind, log);
     instance->set_logging(logging, {});
     return instance.release();
   } catch (const std::exception& error) {
-    log(fmi::Status::error, fmi::log_error, error.what());
+    log(fmi::Status::error, fmi::category_names[fmi::log_error], error.what());
     return nullptr;
   }
 }
 
-void fmi2FreeInstance(fmi2Component component) { delete static_cast<Instance2*>(component); }
+void fmi2FreeInstance(fmi2Component component) { delete static_cast<Component*>(component); }
 
 fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean tolerance_defined,
                                fmi2Real tolerance, fmi2Real start_time,
                                fmi2Boolean stop_time_defined, fmi2Real stop_time) {
-  return call(component, "fmi2SetupExperiment", fmi::instantiated, [&] {
-    Instance2& now = of(component);
-    now.tolerance = tolerance_defined ? std::optional(tolerance) : std::nullopt;
-    now.start_time = start_time;
-    now.stop_time = stop_time_defined ? std::optional(stop_time) : std::nullopt;
-    now.is_set_up = true;
+  return call(component, "fmi2SetupExperiment", fmi::created, [&] {
+    of(component).set_up_experiment(tolerance_defined ? std::optional(tolerance) : std::nullopt,
+                                    start_time,
+                                    stop_time_defined ? std::optional(stop_time) : std::nullopt);
+    of(component).phase = fmi::set_up;
   });
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component component) {
-  return call(component, "fmi2EnterInitializationMode", fmi::instantiated, [&] {
-    Instance2& now = of(component);
-    if (!now.is_set_up) throw std::invalid_argument("expected fmi2SetupExperiment before");
-    now.begin_initialisation(now.tolerance, now.start_time, now.stop_time);
-  });
+  return call(component, "fmi2EnterInitializationMode", fmi::set_up,
+              [&] { of(component).phase = fmi::initialisation; });
 }
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component component) {
-  return call(component, "fmi2ExitInitializationMode", fmi::initialisation, [&] {
-    const bool steps = of(component).kind == Kind::co_simulation;
-    of(component).end_initialisation(steps ? fmi::step_mode : fmi::event_mode);
-  });
+  return call(component, "fmi2ExitInitializationMode", fmi::initialisation,
+              [&] { of(component).end_initialisation(); });
 }
 
 fmi2Status fmi2Terminate(fmi2Component component) {
@@ -151,36 +138,34 @@ fmi2Status fmi2Terminate(fmi2Component component) {
 }
 
 fmi2Status fmi2Reset(fmi2Component component) {
-  return call(component, "fmi2Reset", fmi::any_phase, [&] {
-    of(component).reset();
-    of(component).is_set_up = false;
-  });
+  return call(component, "fmi2Reset", fmi::between_steps, [&] { of(component).reset(); });
 }
 
 // --- values -------------------------------------------------------------------------------------
 
 fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference references[], size_t n,
                        fmi2Real values[]) {
-  return with_range(component, "fmi2GetReal", fmi::any_phase, Type::real, references, n,
-                    [&](auto ranges) { of(component).get(ranges, values); });
+  return call(component, "fmi2GetReal", fmi::evaluable, [&] {
+    of(component).get(ranges(component, references, n, Type::real), list("values", values, n));
+  });
 }
 
+// Inputs, too, from the beginning: importers set their start values with those of parameters.
 fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference references[], size_t n,
                        const fmi2Real values[]) {
-  return with_range(component, "fmi2SetReal",
-                    fmi::instantiated | fmi::initialisation | fmi::initialised, Type::real,
-                    references, n, [&](auto ranges) { of(component).set(ranges, values); });
+  return call(component, "fmi2SetReal", fmi::created | fmi::initialisation | fmi::initialised, [&] {
+    of(component).set(ranges(component, references, n, Type::real), list("values", values, n));
+  });
 }
 
 fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference references[], size_t n,
                           fmi2Integer values[]) {
-  return with_range(
-      component, "fmi2GetInteger", fmi::any_phase, Type::integer, references, n, [&](auto ranges) {
-        std::vector<double> numbers(n);
-        of(component).get(ranges, numbers.data());
-        std::ranges::transform(numbers, values,
-                               [](double number) { return static_cast<fmi2Integer>(number); });
-      });
+  return call(component, "fmi2GetInteger", fmi::evaluable, [&] {
+    std::vector<double> numbers(n);
+    of(component).get(ranges(component, references, n, Type::integer), numbers);
+    std::ranges::transform(numbers, list("values", values, n).begin(),
+                           [](double number) { return static_cast<fmi2Integer>(number); });
+  });
 }
 
 // Types that no variable has.
@@ -207,55 +192,39 @@ fmi2Status fmi2SetString(fmi2Component component, const fmi2ValueReference*, siz
 // --- the state of the FMU -----------------------------------------------------------------------
 
 fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate* state) {
-  return call(component, "fmi2GetFMUstate", fmi::any_phase & ~fmi::failed, [&] {
-    auto saved = of(component).save();
-    if (*state == nullptr) {
-      *state = new fmu::SavedState(std::move(saved));
-    } else {
-      *static_cast<fmu::SavedState*>(*state) = std::move(saved);
-    }
-  });
+  return call(component, "fmi2GetFMUstate", fmi::between_steps,
+              [&] { of(component).get_state(state); });
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state) {
-  return call(component, "fmi2SetFMUstate", fmi::any_phase, [&] {
-    if (state == nullptr) throw std::invalid_argument("state: expected one, got none");
-    of(component).restore(*static_cast<fmu::SavedState*>(state));
-  });
+  return call(component, "fmi2SetFMUstate", fmi::between_steps,
+              [&] { of(component).set_state(state); });
 }
 
 fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate* state) {
-  return call(component, "fmi2FreeFMUstate", fmi::any_phase, [&] {
-    if (state == nullptr) return;
-    delete static_cast<fmu::SavedState*>(*state);
-    *state = nullptr;
-  });
+  return call(component, "fmi2FreeFMUstate", fmi::between_steps,
+              [&] { Component::free_state(state); });
 }
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate state, size_t* size) {
-  return call(component, "fmi2SerializedFMUstateSize", fmi::any_phase,
-              [&] { *size = bytes_of(*static_cast<fmu::SavedState*>(state)).size(); });
+  return call(component, "fmi2SerializedFMUstateSize", fmi::between_steps,
+              [&] { place("size", size) = Component::serialise(state).size(); });
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate state, fmi2Byte bytes[],
                                  size_t size) {
-  return call(component, "fmi2SerializeFMUstate", fmi::any_phase, [&] {
-    const auto written = bytes_of(*static_cast<fmu::SavedState*>(state));
+  return call(component, "fmi2SerializeFMUstate", fmi::between_steps, [&] {
+    const auto written = Component::serialise(state);
     Component::expect("bytes", written.size(), size);
-    std::ranges::copy(written, bytes);
+    std::ranges::copy(written, list("bytes", bytes, size).begin());
   });
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes[], size_t size,
                                    fmi2FMUstate* state) {
-  return call(component, "fmi2DeSerializeFMUstate", fmi::any_phase, [&] {
+  return call(component, "fmi2DeSerializeFMUstate", fmi::between_steps, [&] {
     const auto* begin = reinterpret_cast<const unsigned char*>(bytes);
-    auto saved = fmu::saved_state_from({begin, size});
-    if (*state == nullptr) {
-      *state = new fmu::SavedState(std::move(saved));
-    } else {
-      *static_cast<fmu::SavedState*>(*state) = std::move(saved);
-    }
+    Component::deserialise(list("bytes", begin, size), state);
   });
 }
 
@@ -263,96 +232,84 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component component,
                                         const fmi2ValueReference unknowns[], size_t n_unknowns,
                                         const fmi2ValueReference knowns[], size_t n_knowns,
                                         const fmi2Real seed[], fmi2Real sensitivity[]) {
-  return call(component, "fmi2GetDirectionalDerivative", Kind::model_exchange, fmi::initialised,
-              [&] {
-                Instance2& now = of(component);
-                now.directional_derivative(
-                    now.ranges({unknowns, n_unknowns}, Elements::single, {}, n_unknowns),
-                    now.ranges({knowns, n_knowns}, Elements::single, {}, n_knowns),
-                    {seed, n_knowns}, {sensitivity, n_unknowns});
-              });
+  return call(component, "fmi2GetDirectionalDerivative", Kind::model_exchange, fmi::evaluable, [&] {
+    of(component).directional_derivative(
+        ranges(component, unknowns, n_unknowns, {}), ranges(component, knowns, n_knowns, {}),
+        list("seed", seed, n_knowns), list("sensitivity", sensitivity, n_unknowns));
+  });
 }
 
 // --- Model Exchange -----------------------------------------------------------------------------
 
 fmi2Status fmi2EnterEventMode(fmi2Component component) {
-  return call(component, "fmi2EnterEventMode", Kind::model_exchange, fmi::continuous_time, [&] {
-    of(component).instance->enter_event();
-    of(component).phase = fmi::event_mode;
-  });
+  return call(component, "fmi2EnterEventMode", Kind::model_exchange,
+              fmi::event_mode | fmi::continuous_time, [&] { of(component).enter_event_mode(); });
 }
 
 fmi2Status fmi2NewDiscreteStates(fmi2Component component, fmi2EventInfo* info) {
   return call(component, "fmi2NewDiscreteStates", Kind::model_exchange, fmi::event_mode, [&] {
-    const auto update = of(component).instance->update_discrete_states();
-    info->newDiscreteStatesNeeded = fmi2False;
-    info->terminateSimulation = fmi2False;
-    info->nominalsOfContinuousStatesChanged = fmi2False;
-    info->valuesOfContinuousStatesChanged = update.states_changed;
-    info->nextEventTimeDefined = update.next_time_event < hybrid::never;
-    info->nextEventTime = info->nextEventTimeDefined ? update.next_time_event : 0.0;
+    fmi2EventInfo& told = place("event info", info);
+    const auto update = of(component).update_discrete_states();
+    told.newDiscreteStatesNeeded = fmi2False;
+    told.terminateSimulation = fmi2False;
+    told.nominalsOfContinuousStatesChanged = fmi2False;
+    told.valuesOfContinuousStatesChanged = update.states_changed;
+    told.nextEventTimeDefined = update.next_time_event < hybrid::never;
+    told.nextEventTime = told.nextEventTimeDefined ? update.next_time_event : 0.0;
   });
 }
 
 fmi2Status fmi2EnterContinuousTimeMode(fmi2Component component) {
-  return call(component, "fmi2EnterContinuousTimeMode", Kind::model_exchange, fmi::event_mode,
+  return call(component, "fmi2EnterContinuousTimeMode", Kind::model_exchange, fmi::event_handled,
               [&] { of(component).phase = fmi::continuous_time; });
 }
 
 fmi2Status fmi2CompletedIntegratorStep(fmi2Component component, fmi2Boolean,
                                        fmi2Boolean* enter_event_mode, fmi2Boolean* terminate) {
   return call(component, "fmi2CompletedIntegratorStep", Kind::model_exchange, fmi::continuous_time,
-              [&] { *enter_event_mode = *terminate = fmi2False; });
+              [&] {
+                place("enter event mode", enter_event_mode) = fmi2False;
+                place("terminate simulation", terminate) = fmi2False;
+              });
 }
 
 fmi2Status fmi2SetTime(fmi2Component component, fmi2Real time) {
-  return call(component, "fmi2SetTime", Kind::model_exchange,
-              fmi::event_mode | fmi::continuous_time, [&] { of(component).set_time(time); });
+  return call(component, "fmi2SetTime", Kind::model_exchange, fmi::continuous_time,
+              [&] { of(component).set_time(time); });
 }
 
 fmi2Status fmi2SetContinuousStates(fmi2Component component, const fmi2Real states[], size_t n) {
   return call(component, "fmi2SetContinuousStates", Kind::model_exchange, fmi::continuous_time,
-              [&] { of(component).set_states({states, n}); });
+              [&] { of(component).set_states(list("states", states, n)); });
 }
 
 fmi2Status fmi2GetDerivatives(fmi2Component component, fmi2Real derivatives[], size_t n) {
-  return call(component, "fmi2GetDerivatives", Kind::model_exchange,
-              fmi::event_mode | fmi::continuous_time | fmi::terminated,
-              [&] { of(component).derivatives({derivatives, n}); });
+  return call(component, "fmi2GetDerivatives", Kind::model_exchange, fmi::evaluable,
+              [&] { of(component).derivatives(list("derivatives", derivatives, n)); });
 }
 
 fmi2Status fmi2GetEventIndicators(fmi2Component component, fmi2Real indicators[], size_t n) {
-  return call(component, "fmi2GetEventIndicators", Kind::model_exchange,
-              fmi::event_mode | fmi::continuous_time | fmi::terminated, [&] {
-                Component::expect("indicators", of(component).instance->n_indicators(), n);
-                of(component).instance->indicators({indicators, n});
-              });
+  return call(component, "fmi2GetEventIndicators", Kind::model_exchange, fmi::evaluable,
+              [&] { of(component).indicators(list("indicators", indicators, n)); });
 }
 
 fmi2Status fmi2GetContinuousStates(fmi2Component component, fmi2Real states[], size_t n) {
-  return call(component, "fmi2GetContinuousStates", Kind::model_exchange,
-              fmi::event_mode | fmi::continuous_time | fmi::terminated, [&] {
-                Component::expect("states", of(component).instance->n_states(), n);
-                std::ranges::copy(of(component).instance->states(), states);
-              });
+  return call(component, "fmi2GetContinuousStates", Kind::model_exchange, fmi::evaluable,
+              [&] { of(component).get_states(list("states", states, n)); });
 }
 
 fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component component, fmi2Real nominals[],
                                              size_t n) {
   return call(component, "fmi2GetNominalsOfContinuousStates", Kind::model_exchange,
-              fmi::event_mode | fmi::continuous_time | fmi::terminated, [&] {
-                Component::expect("states", of(component).instance->n_states(), n);
-                std::ranges::copy(of(component).instance->nominals(), nominals);
-              });
+              fmi::between_steps,
+              [&] { of(component).get_nominals(list("nominals", nominals, n)); });
 }
 
 // --- Co-Simulation ------------------------------------------------------------------------------
 
 fmi2Status fmi2DoStep(fmi2Component component, fmi2Real point, fmi2Real step, fmi2Boolean) {
-  return call(component, "fmi2DoStep", Kind::co_simulation, fmi::step_mode, [&] {
-    of(component).check_communication_point(point, step);
-    of(component).instance->advance(point + step, fmu::Instance::Stop::at_target, {});
-  });
+  return call(component, "fmi2DoStep", Kind::co_simulation, fmi::step_mode,
+              [&] { of(component).do_step(point, step, fmu::Instance::Stop::at_target, {}); });
 }
 
 fmi2Status fmi2CancelStep(fmi2Component component) {
@@ -372,19 +329,21 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component, const fmi2Value
 }
 
 fmi2Status fmi2GetRealStatus(fmi2Component component, fmi2StatusKind what, fmi2Real* value) {
-  return call(component, "fmi2GetRealStatus", Kind::co_simulation, fmi::any_phase, [&] {
-    if (what != fmi2LastSuccessfulTime) {
-      throw std::invalid_argument("expected fmi2LastSuccessfulTime");
-    }
-    *value = of(component).instance->time();
-  });
+  return call(component, "fmi2GetRealStatus", Kind::co_simulation, fmi::step_mode | fmi::ended,
+              [&] {
+                if (what != fmi2LastSuccessfulTime) {
+                  throw std::invalid_argument("expected fmi2LastSuccessfulTime");
+                }
+                place("value", value) = of(component).instance->time();
+              });
 }
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component component, fmi2StatusKind what, fmi2Boolean* value) {
-  return call(component, "fmi2GetBooleanStatus", Kind::co_simulation, fmi::any_phase, [&] {
-    if (what != fmi2Terminated) throw std::invalid_argument("expected fmi2Terminated");
-    *value = fmi2False;
-  });
+  return call(component, "fmi2GetBooleanStatus", Kind::co_simulation, fmi::step_mode | fmi::ended,
+              [&] {
+                if (what != fmi2Terminated) throw std::invalid_argument("expected fmi2Terminated");
+                place("value", value) = fmi2False;
+              });
 }
 
 fmi2Status fmi2GetStatus(fmi2Component component, fmi2StatusKind, fmi2Status*) {

@@ -24,6 +24,9 @@ constexpr double smallest_indicator = 1e-11;
 // costs three digits of fifteen.
 constexpr double difference_step = 1e-3;
 
+// An importer's clock may be off by its roundoff [s].
+constexpr double simultaneous_ticks = 1e-9;
+
 // An input that is a reference goes on for ever [s].
 constexpr double for_ever = 1e300;
 
@@ -102,21 +105,31 @@ void Instance::get(int first, std::span<double> values) {
   std::copy_n(row_.begin() + first, values.size(), values.begin());
 }
 
-void Instance::set(int first, std::span<const double> values) {
+void Instance::check(int first, std::span<const double> values, States states) const {
   const Variable& variable = this->variable(first);
   const bool is_input = variable.group == Group::input;
   const bool is_start = initialising_ && !variable.start.empty();
-  if (!is_input && !is_start) {
+  const bool is_state = variable.group == Group::state && states == States::can_be_set;
+  if (!is_input && !is_start && !is_state) {
     throw std::invalid_argument(
         variable.name + (variable.start.empty() ? ": it cannot be set"
                                                 : ": it can be set until initialisation ends"));
   }
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    if (std::isfinite(values[k])) continue;
+  for (const double value : values) {
+    if (std::isfinite(value)) continue;
     std::ostringstream message;
     message << variable.name << ": expected finite numbers [" << variable.unit << "], got "
-            << values[k];
+            << value;
     throw std::invalid_argument(message.str());
+  }
+}
+
+void Instance::set(int first, std::span<const double> values) {
+  const Variable& variable = this->variable(first);
+  if (variable.group == Group::state && !initialising_) {
+    std::vector<double> x(group(Group::state).begin(), group(Group::state).end());
+    std::ranges::copy(values, x.begin() + (first - first_[static_cast<int>(Group::state)]));
+    return set_states(x);
   }
   const auto place = row_.begin() + first;
   // The same as before is no event, unless it is a reference that has gone on meanwhile.
@@ -218,6 +231,15 @@ void Instance::begin_simulation(const std::vector<double>& x) {
   n_reported_ = 0;
 }
 
+void Instance::set_tolerance(double tolerance) {
+  if (!(tolerance > 0.0 && std::isfinite(tolerance))) {
+    std::ostringstream message;
+    message << "tolerance: expected a positive number, got " << tolerance;
+    throw std::invalid_argument(message.str());
+  }
+  tolerance_ = tolerance;
+}
+
 void Instance::end_initialisation() {
   if (!started_) start();
   initialising_ = false;
@@ -301,6 +323,7 @@ void Instance::indicators(std::span<double> values) {
 }
 
 void Instance::enter_event() {
+  latest_event_ = time();
   input_changed_ = false;
   fired_.clear();
   const auto indicators = group(Group::indicator);
@@ -310,8 +333,32 @@ void Instance::enter_event() {
   }
 }
 
+double Instance::sampling_time() const {
+  const auto found =
+      std::ranges::find(variables_, std::string_view(sampling_time_parameter), &Variable::name);
+  return row_[found->first];
+}
+
+void Instance::tick() {
+  const double T = sampling_time();
+  const double instant = std::round(time() / T) * T;
+  if (std::abs(time() - instant) > simultaneous_ticks) {
+    std::ostringstream message;
+    message.precision(std::numeric_limits<double>::digits10);
+    message << "sampling: expected ticks at multiples of " << T << " s, got one at " << time()
+            << " s";
+    throw std::invalid_argument(message.str());
+  }
+  group(Group::clock)[0] = 1.0;
+}
+
 Instance::Update Instance::update_discrete_states() {
   Update update;
+  double now = time();
+  for (double& ticks : group(Group::clock)) {
+    if (ticks != 0.0) now = std::max(now, std::round(now / sampling_time()) * sampling_time());
+    ticks = 0.0;
+  }
   if (kind_ == Kind::co_simulation) {
     change_inputs();
     simulation_->advance(time(), hybrid::Simulation::Stop::at_target,
@@ -320,12 +367,12 @@ Instance::Update Instance::update_discrete_states() {
     report_new_events();
   } else {
     const double next = system_->next_time_event(time());
-    const bool time_event = time() >= next - hybrid::simultaneous(next);
+    const bool time_event = now >= next - hybrid::simultaneous(next);
     const auto states = group(Group::state);
     if (time_event || input_changed_ || !fired_.empty()) {
       std::vector<hybrid::Change> changes;
       system_->handle_event(
-          time(), states.data(),
+          now, states.data(),
           {.fired = fired_, .time_event = time_event, .input_changed = input_changed_}, changes);
       report_changes(time(), changes);
       lift_indicators();
@@ -348,6 +395,9 @@ void Instance::directional_derivative(std::span<const int> unknowns, std::span<c
   double largest = 0.0;
   for (std::size_t k = 0; k < knowns.size(); ++k) {
     const Variable& known = variable(knowns[k]);
+    if (!std::isfinite(seed[k])) {
+      throw std::invalid_argument("seed: expected finite numbers, got " + std::to_string(seed[k]));
+    }
     if (known.group != Group::state && known.group != Group::input) {
       throw std::invalid_argument("directional derivatives by " + known.name +
                                   ": expected states or inputs");
@@ -402,35 +452,47 @@ void Instance::synchronise() {
 // Inputs that the importer has set since: an event.
 void Instance::change_inputs() {
   if (!input_changed_) return;
-  input_changed_ = false;
   simulation_->change_input([this] { put_inputs(); });
+  input_changed_ = false;
   synchronise();
   report_new_events();
 }
 
-bool Instance::advance(double t, Stop stop, const std::function<bool(double)>& look_up) {
-  struct Stopped {};
+bool Instance::advance(double t, Stop stop, const LookUp& look_up) {
+  struct Sooner {};
   change_inputs();
   const auto stop_of_simulation = stop == Stop::at_event ? hybrid::Simulation::Stop::before_event
                                                          : hybrid::Simulation::Stop::at_target;
+  double until = t;
   std::function<void(double)> look;
   if (look_up) {
     look = [&](double now) {
       synchronise();
-      if (!look_up(now)) throw Stopped{};
+      const double before = until;
+      until = std::max(now, std::min(until, look_up(now)));
+      if (until < before) throw Sooner{};
     };
   }
-  try {
-    simulation_->advance(t, stop_of_simulation, hybrid::Simulation::Target::included, look);
-  } catch (const Stopped&) {
-  } catch (...) {
+  const auto tell = [&] {
     synchronise();
     report_new_events();
+  };
+  const auto waits = [&] { return stop == Stop::at_event && simulation_->is_event_due(); };
+  try {
+    for (bool again = true; again;) {
+      try {
+        simulation_->advance(until, stop_of_simulation, hybrid::Simulation::Target::included, look);
+        again = false;
+      } catch (const Sooner&) {
+        again = !waits();
+      }
+    }
+  } catch (...) {
+    tell();
     throw;
   }
-  synchronise();
-  report_new_events();
-  return stop == Stop::at_event && simulation_->is_event_due();
+  tell();
+  return waits();
 }
 
 // --- events -------------------------------------------------------------------------------------
@@ -460,7 +522,8 @@ void Instance::report_new_events() {
 // --- saving -------------------------------------------------------------------------------------
 
 SavedState Instance::save() const {
-  SavedState saved{.row = row_,
+  SavedState saved{.kind = kind_,
+                   .row = row_,
                    .tolerance = tolerance_,
                    .initialising = initialising_,
                    .started = started_,
@@ -470,6 +533,7 @@ SavedState Instance::save() const {
                    .given = given_,
                    .lift = lift_,
                    .fired = fired_,
+                   .latest_event = latest_event_,
                    .simulation = {}};
   if (!started_) return saved;
   saved.mode = system_->mode();
@@ -478,40 +542,32 @@ SavedState Instance::save() const {
 }
 
 void Instance::restore(const SavedState& saved) {
-  if (saved.row.size() != row_.size()) {
-    throw std::invalid_argument("FMU state: expected one of the same FMU");
-  }
   const bool other_tolerance = saved.tolerance != tolerance_;
   row_ = saved.row;
   tolerance_ = saved.tolerance;
   initialising_ = saved.initialising;
   started_ = saved.started;
-  given_ = saved.given;
-  fired_ = saved.fired;
-  stale_ = true;
-  if (started_) {
-    const auto parameters = group(Group::parameter);
-    const bool other_robot = !system_ || !std::ranges::equal(parameters, parameters_);
-    if (other_robot) build();
+  const auto parameters = group(Group::parameter);
+  const bool other_robot = !system_ || !std::ranges::equal(parameters, parameters_);
+  if (started_ && other_robot) {
+    build();
     row_ = saved.row;
-    if (kind_ == Kind::co_simulation) {
-      if (!saved.simulation) {
-        throw std::invalid_argument("FMU state: expected one of Co-Simulation");
-      }
-      if (other_robot || other_tolerance || !simulation_)
-        begin_simulation(saved.simulation->front.x);
-      read_reference();
-      reference_->since = saved.reference_since;
-      simulation_->restore(*saved.simulation);
-      n_reported_ = simulation_->events().size();
-      row_ = saved.row;
-    } else {
-      read_reference();
-      system_->set_mode(saved.mode);
-    }
-    lift_ = saved.lift;
   }
+  read_reference();
+  reference_->since = saved.reference_since;
+  if (started_ && kind_ == Kind::co_simulation) {
+    if (other_robot || other_tolerance || !simulation_) begin_simulation(saved.simulation->front.x);
+    simulation_->restore(*saved.simulation);
+    n_reported_ = simulation_->events().size();
+  } else if (started_) {
+    system_->set_mode(saved.mode);
+  }
+  given_ = saved.given;
+  lift_ = saved.lift;
+  fired_ = saved.fired;
+  latest_event_ = saved.latest_event;
   input_changed_ = saved.input_changed;
+  stale_ = true;
 }
 
 }  // namespace manutec_r3::fmu

@@ -29,7 +29,12 @@ enum class Kind { model_exchange, co_simulation };
 
 // All that the future of an instance depends on.
 struct SavedState {
-  int phase = 0;            // whatever the importer's side has to remember
+  // Of the importer's side: which FMU, and where in the order of calls.
+  std::string token = {};
+  Kind kind = Kind::model_exchange;
+  unsigned phase = 0;
+  double stop_time = hybrid::never;
+
   std::vector<double> row;  // of all numbers; states, parameters and inputs among them
   double tolerance = 0.0;
   bool initialising = true;
@@ -40,6 +45,7 @@ struct SavedState {
   hybrid::Mode mode;
   std::vector<double> given, lift;
   std::vector<int> fired;
+  double latest_event = 0.0;
   // Co-Simulation
   std::optional<hybrid::Simulation::Snapshot> simulation;
 };
@@ -66,6 +72,9 @@ class Instance {
   // Numbers `first` to `first` + values.size() of the row, as they are at this instant.
   void get(int first, std::span<double> values);
   // Throws std::invalid_argument for what cannot be set, and for what is not finite.
+  enum class States { follow, can_be_set };
+  void check(int first, std::span<const double> values, States states) const;
+  // What has been checked.
   void set(int first, std::span<const double> values);
 
   // --- initialisation ----------------------------------------------------------------------------
@@ -73,7 +82,8 @@ class Instance {
   // Until it ends parameters can be set, and the start follows from what has been set. Throws
   // std::invalid_argument if that is no robot, or if the robot cannot start so.
   void end_initialisation();
-  void set_tolerance(double tolerance) { tolerance_ = tolerance; }
+  // Relative, of Co-Simulation. Throws std::invalid_argument.
+  void set_tolerance(double tolerance);
 
   // --- Model Exchange ----------------------------------------------------------------------------
 
@@ -84,8 +94,15 @@ class Instance {
   void derivatives(std::span<double> values);
   void indicators(std::span<double> values);
 
+  // The samples of the position controllers are time events, and may be ticks of a clock as well:
+  // what ticks has come, however the importer rounds its instant. Throws std::invalid_argument if
+  // there is no sample at this instant.
+  void tick();
+  double sampling_time() const;
+
   // Finds out which indicators have fired at this instant.
   void enter_event();
+  double latest_event() const { return latest_event_; }
   struct Update {
     bool states_changed = false;
     double next_time_event = hybrid::never;
@@ -101,13 +118,14 @@ class Instance {
 
   double time() const { return row_[0]; }
   enum class Stop { at_target, at_event };
-  // Advances to t, or to the first event, which then waits for update_discrete_states(). After each
-  // step of the integration `look_up` is called with the time; if it returns false, the run stops
-  // there. Returns whether an event waits. Throws hybrid::SimulationFailure.
-  bool advance(double t, Stop stop, const std::function<bool(double)>& look_up);
+  // Called with the time after each step of the integration; returns until when it is to go on.
+  using LookUp = std::function<double(double t)>;
+  // Advances to t, or to the first event, which then waits for update_discrete_states(), or to
+  // where `look_up` says. Returns whether an event waits. Throws hybrid::SimulationFailure.
+  bool advance(double t, Stop stop, const LookUp& look_up);
 
   SavedState save() const;
-  // Throws std::invalid_argument if it is of another robot.
+  // Of the same FMU and of the same kind.
   void restore(const SavedState& saved);
 
  private:
@@ -147,6 +165,7 @@ class Instance {
   std::vector<double> magnitude_;  // of indicators
   std::vector<double> lift_;
   std::vector<int> fired_;
+  double latest_event_ = 0.0;
   bool input_changed_ = false;
   // Co-Simulation
   std::unique_ptr<hybrid::Integrator> integrator_;

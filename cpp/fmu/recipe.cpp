@@ -76,7 +76,13 @@ class Reader {
     return word;
   }
 
-  int integer() { return static_cast<int>(number()); }
+  int integer() {
+    const double number = this->number();
+    if (!(std::abs(number) <= std::numeric_limits<int>::max()) || number != std::floor(number)) {
+      refuse("a whole number");
+    }
+    return static_cast<int>(number);
+  }
 
   double number() {
     const std::string word = this->word();
@@ -148,11 +154,15 @@ void write(Writer& writer, const Motion& motion, bool only_start) {
   }
 }
 
-std::shared_ptr<const Motion> read_motion(Reader& reader) {
+std::shared_ptr<const Motion> read_motion(Reader& reader, int n_axes) {
   reader.line("motion");
-  const int n_axes = reader.integer();
+  const int n = reader.integer();
   const int n_pieces = reader.integer();
-  if (n_axes == 0) return {};
+  if (n == 0) return {};
+  if (n != n_axes) {
+    throw std::invalid_argument("resources, motion: expected " + std::to_string(n_axes) +
+                                " axes, got " + std::to_string(n));
+  }
   const double duration = reader.number();
   std::vector<double> start = reader.line("motion.start").numbers(n_axes);
   std::vector<Piece> pieces;
@@ -271,7 +281,7 @@ std::string as_text(const Recipe& recipe) {
 Recipe recipe_from(std::istream& text) {
   Reader reader(text);
   Recipe recipe{.robot = read_robot(reader)};
-  recipe.motion = read_motion(reader);
+  recipe.motion = read_motion(reader, recipe.robot->n_axes());
   recipe.reference_is_input = reader.line("reference_is_input").integer() != 0;
   const std::string start = reader.line("start").word();
   if (start == "state") {

@@ -1,4 +1,7 @@
-// The state of an instance as bytes, for this program on this kind of machine.
+// The state of an instance as bytes, for this program on this kind of machine: a signature, a
+// checksum of what follows, and the state. Bytes that have suffered are no state: indices in it are
+// used as they are.
+#include <cstdint>
 #include <cstring>
 #include <map>
 #include <stdexcept>
@@ -10,10 +13,18 @@
 namespace manutec_r3::fmu {
 namespace {
 
-constexpr std::string_view signature = "manutec_r3 FMU state 1\n";
+constexpr std::string_view signature = "manutec_r3 FMU state 2\n";
+
+// FNV-1a: http://www.isthe.com/chongo/tech/comp/fnv
+std::uint64_t checksum(std::span<const unsigned char> bytes) {
+  std::uint64_t sum = 0xcbf29ce484222325;
+  for (const unsigned char byte : bytes) sum = (sum ^ byte) * 0x100000001b3;
+  return sum;
+}
 
 template <class Value>
-concept Plain = std::is_arithmetic_v<Value> || std::is_same_v<Value, hybrid::Element>;
+concept Plain =
+    std::is_arithmetic_v<Value> || std::is_enum_v<Value> || std::is_same_v<Value, hybrid::Element>;
 
 class Writer {
  public:
@@ -27,6 +38,7 @@ class Writer {
     (*this)(values.size());
     for (const Value& value : values) (*this)(value);
   }
+  void operator()(const std::string& text) { (*this)(std::vector<char>(text.begin(), text.end())); }
   void operator()(const Eigen::ArrayXd& values) {
     (*this)(std::vector<double>(values.begin(), values.end()));
   }
@@ -63,6 +75,11 @@ class Reader {
     values.resize(size(sizeof(Value)));
     for (Value& value : values) (*this)(value);
   }
+  void operator()(std::string& text) {
+    std::vector<char> letters;
+    (*this)(letters);
+    text.assign(letters.begin(), letters.end());
+  }
   void operator()(Eigen::ArrayXd& values) {
     std::vector<double> read;
     (*this)(read);
@@ -85,7 +102,7 @@ class Reader {
     if (exists) visit(*this, value.emplace());
   }
 
-  bool at_end() const { return rest_.empty(); }
+  std::span<const unsigned char> rest() const { return rest_; }
   const unsigned char* take(std::size_t n) {
     if (n > rest_.size()) throw std::invalid_argument("FMU state: the bytes end too early");
     const unsigned char* begin = rest_.data();
@@ -146,7 +163,10 @@ void visit(Archive& archive, Snapshot& snapshot) {
 template <class Archive, class Saved>
   requires std::is_same_v<std::remove_const_t<Saved>, SavedState>
 void visit(Archive& archive, Saved& saved) {
+  archive(saved.token);
+  archive(saved.kind);
   archive(saved.phase);
+  archive(saved.stop_time);
   archive(saved.row);
   archive(saved.tolerance);
   archive(saved.initialising);
@@ -157,15 +177,20 @@ void visit(Archive& archive, Saved& saved) {
   archive(saved.given);
   archive(saved.lift);
   archive(saved.fired);
+  archive(saved.latest_event);
   archive(saved.simulation);
 }
 
 }  // namespace
 
 std::vector<unsigned char> bytes_of(const SavedState& saved) {
+  Writer state;
+  visit(state, saved);
+  const std::vector<unsigned char> bytes = state.take();
   Writer writer;
   for (const char letter : signature) writer(letter);
-  visit(writer, saved);
+  writer(checksum(bytes));
+  for (const unsigned char byte : bytes) writer(byte);
   return writer.take();
 }
 
@@ -174,9 +199,13 @@ SavedState saved_state_from(std::span<const unsigned char> bytes) {
   if (std::memcmp(reader.take(signature.size()), signature.data(), signature.size()) != 0) {
     throw std::invalid_argument("FMU state: these bytes are none");
   }
+  std::uint64_t sum = 0;
+  reader(sum);
+  if (checksum(reader.rest()) != sum) {
+    throw std::invalid_argument("FMU state: the bytes have been changed");
+  }
   SavedState saved;
   visit(reader, saved);
-  if (!reader.at_end()) throw std::invalid_argument("FMU state: more bytes than expected");
   return saved;
 }
 

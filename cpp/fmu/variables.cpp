@@ -164,6 +164,9 @@ std::vector<Variable> variables_of(const Recipe& recipe) {
          0,
          0});
   }
+  if (robot.options().controller == robot::Controller::sampled) {
+    row.add({"sampling", "", "Samples of the position controllers", Group::clock, {}, 0, 0});
+  }
   return row.take();
 }
 

@@ -25,8 +25,9 @@ enum class Group {
   state,
   derivative,
   indicator,
+  clock,
 };
-inline constexpr int n_groups = static_cast<int>(Group::indicator) + 1;
+inline constexpr int n_groups = static_cast<int>(Group::clock) + 1;
 
 struct Variable {
   std::string name, unit, text;
@@ -43,6 +44,7 @@ struct Variable {
 inline constexpr const char* reference_angle_input = "input.reference_angle";
 inline constexpr const char* reference_rate_input = "input.reference_rate";
 inline constexpr const char* tip_force_input = "input.tip_force";
+inline constexpr const char* sampling_time_parameter = "table_1.T";
 // rF without a controller, u_c with an external one; nothing otherwise.
 std::string axes_input(const robot::Robot& robot);
 

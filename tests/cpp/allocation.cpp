@@ -21,7 +21,14 @@ std::atomic<long> allocations = 0;
 
 }  // namespace
 
-#ifdef __GLIBC__
+#if defined(__SANITIZE_ADDRESS__)
+// The sanitizer allocates, and tells. Its header is not everywhere.
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*allocated)(const volatile void*,
+                                                                           std::size_t),
+                                                         void (*freed)(const volatile void*));
+static const int told = __sanitizer_install_malloc_and_free_hooks(
+    [](const volatile void*, std::size_t) { ++allocations; }, [](const volatile void*) {});
+#elif defined(__GLIBC__)
 // Whatever allocates goes through these, operator new included.
 extern "C" {
 void* __libc_malloc(std::size_t size);

@@ -19,7 +19,14 @@ from ... import _core
 from ...build_info import build_info
 from ...scenario import Scenario
 from ...simulation import set_up
-from .model_description import MODEL_IDENTIFIER, Model, Variable, description_2, description_3
+from .model_description import (
+    MODEL_IDENTIFIER,
+    Model,
+    Variable,
+    description_2,
+    description_3,
+    terminals_and_icons,
+)
 from .page import page
 
 FmiVersion = Literal["2.0", "3.0"]
@@ -109,6 +116,7 @@ def export_fmu(
             "modelDescription.xml": description_3(model),
             "documentation/index.html": documentation,
             "terminalsAndIcons/icon.png": icon,
+            "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(),
         }
     else:
         members |= {

@@ -120,7 +120,12 @@ def description_3(model: Model) -> bytes:
 
 def description_2(model: Model) -> bytes:
     """Return ``modelDescription.xml`` of FMI 2.0: every element of an array on its own."""
-    scalars = [scalar for variable in model.variables for scalar in _elements(variable)]
+    scalars = [
+        scalar
+        for variable in model.variables
+        if variable.group != "clock"  # which only FMI 3.0 knows
+        for scalar in _elements(variable)
+    ]
     root = ET.Element(
         "fmiModelDescription",
         {"fmiVersion": "2.0", "modelName": model.name, "guid": model.token} | _about(model),
@@ -159,6 +164,16 @@ def description_2(model: Model) -> bytes:
     return _as_bytes(root)
 
 
+def terminals_and_icons() -> bytes:
+    """Return ``terminalsAndIcons.xml`` of FMI 3.0: where the icon is, a square."""
+    root = ET.Element("fmiTerminalsAndIcons", fmiVersion="3.0")
+    graphics = ET.SubElement(root, "GraphicalRepresentation")
+    corners = {"x1": "-100", "y1": "-100", "x2": "100", "y2": "100"}
+    ET.SubElement(graphics, "CoordinateSystem", corners, suggestedScalingFactorTo_mm="0.1")
+    ET.SubElement(graphics, "Icon", corners)
+    return _as_bytes(root)
+
+
 def _about(model: Model) -> dict[str, str]:
     return {
         "description": model.text,
@@ -193,6 +208,14 @@ def _add_common(root: ET.Element, model: Model) -> None:
 
 
 def _variable_3(variable: Variable) -> ET.Element:
+    if variable.group == "clock":
+        return ET.Element(
+            "Clock",
+            {"name": variable.name, "valueReference": str(variable.value_reference)},
+            description=variable.text,
+            causality="input",
+            intervalVariability="fixed",
+        )
     element = ET.Element(
         "Int32" if variable.is_integer else "Float64",
         {"name": variable.name, "valueReference": str(variable.value_reference)} | _kind(variable),
@@ -210,6 +233,8 @@ def _variable_3(variable: Variable) -> ET.Element:
         element.set("derivative", str(variable.derivative_of))
     if variable.group == "state":
         element.set("reinit", "true")
+    if variable.group in _OUTPUTS:
+        element.set("intermediateUpdate", "true")
     return element
 
 
