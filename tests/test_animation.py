@@ -28,7 +28,7 @@ FLOAT32 = 2e-7  # poses are sent with 24 bits; lengths are below 2 m
 
 @pytest.fixture(scope="module")
 def result():
-    return r3.Scenario.load("figure9").run()
+    return r3.Scenario.load("figure9-quintic").run()
 
 
 def without_motion():

@@ -726,7 +726,7 @@ def test_knots_at_the_ends_are_no_events():
 
 def test_a_scenario_is_the_same_run(result):
     assert {"figure9", "figure9-quintic"} <= set(r3.scenarios())
-    scenario = r3.Scenario.load("figure9").run()
+    scenario = r3.Scenario.load("figure9-quintic").run()
     assert scenario.events == result.events
     np.testing.assert_array_equal(scenario.state, result.state)
 
@@ -747,10 +747,14 @@ def test_the_modelica_variant_is_a_scenario_with_the_same_result_type():
 def test_the_command_runs_figure9(result, tmp_path):
     command = [sys.executable, "-c", "from manutec_r3.command_line import main; main()"]
     done = subprocess.run(
-        [*command, "run", "figure9"], cwd=tmp_path, capture_output=True, text=True, check=True
+        [*command, "run", "figure9-quintic"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
     )
     assert "60: 26 dead zone, 20 friction, 13 backlash, 1 reference" in done.stdout
-    with np.load(tmp_path / "figure9" / "result.npz") as archive:
+    with np.load(tmp_path / "figure9-quintic" / "result.npz") as archive:
         np.testing.assert_array_equal(archive["control_error"], result.control_error)
 
 

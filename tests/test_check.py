@@ -155,7 +155,7 @@ def test_energy_does_not_balance_with_another_mass_matrix(monkeypatch):
 def test_energy_does_not_balance_with_another_load():
     """The load is in the mass matrix, and in the work against gravity."""
     reference = module._reference("figure9_quintic")
-    run = r3.Scenario.load("figure9").run()
+    run = r3.Scenario.load("figure9-quintic").run()
     run.robot = r3.Robot(model=3, load=r3.Load(15.0001, bounds=False))
     assert not module._energy(run, reference).passed
     run.robot = r3.Robot(model=3, load=r3.Load(15.0))

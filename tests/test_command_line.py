@@ -41,7 +41,7 @@ def one_line(stderr):
 
 
 def test_run_prints_the_peaks_of_figure_9(command):
-    done = command("run", "figure9")
+    done = command("run", "figure9-quintic")
     assert done.exit_code == 0
     rows = re.findall(r"^ +(\d) +(\S+) to (\S+) +(\S+) +(\S+) *$", done.stdout, re.MULTILINE)
     assert [int(row[0]) for row in rows] == [1, 2, 3, 4, 5, 6]
@@ -55,14 +55,14 @@ def test_run_prints_the_peaks_of_figure_9(command):
 
 
 def test_run_writes_what_it_lists(command, tmp_path):
-    done = command("run", "figure9")
+    done = command("run", "figure9-quintic")
     listed = re.findall(r"^wrote (.+)$", done.stdout, re.MULTILINE)
-    written = {str(path.relative_to(tmp_path)) for path in tmp_path.glob("figure9/*")}
+    written = {str(path.relative_to(tmp_path)) for path in tmp_path.glob("figure9-quintic/*")}
     assert set(listed) == written
-    assert {path.name for path in tmp_path.glob("figure9/*")} == {
+    assert {path.name for path in tmp_path.glob("figure9-quintic/*")} == {
         "result.npz",
         "events.csv",
-        "figure9.png",
+        "figure9-quintic.png",
     }
 
 
@@ -88,9 +88,9 @@ def test_the_archive_holds_the_whole_run_without_pickles(command, tmp_path):
 
 
 def test_the_events_are_written_to_the_last_digit(command, tmp_path):
-    command("run", "figure9")
-    result = r3.Scenario.load("figure9").run()  # a repeated run is bit-identical
-    with open(tmp_path / "figure9/events.csv", newline="") as file:
+    command("run", "figure9-quintic")
+    result = r3.Scenario.load("figure9-quintic").run()  # a repeated run is bit-identical
+    with open(tmp_path / "figure9-quintic/events.csv", newline="") as file:
         header, *rows = csv.reader(file)
     assert header == ["time [s]", "axis", "element", "before", "after"]
     assert [(float(t), int(i), e, int(b), int(a)) for t, i, e, b, a in rows] == [
@@ -116,19 +116,19 @@ def test_excesses_of_limits_are_a_table_and_sustained_saturation_is_a_warning(
     command, tmp_path, monkeypatch
 ):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)  # the picture takes its time
-    fast = command("show", "figure9").stdout.replace("duration = 1.2", "duration = 0.8")
+    fast = command("show", "figure9-quintic").stdout.replace("duration = 1.2", "duration = 0.8")
     (tmp_path / "fast.toml").write_text(fast)
-    printed = {name: command("run", name).stdout for name in ("figure9", "fast.toml")}
+    printed = {name: command("run", name).stdout for name in ("figure9-quintic", "fast.toml")}
 
     def rows(text):
         found = re.findall(r"^ +(\d)   ([a-z]+(?: [a-z]+)?)  +(\d\S* .*)$", text, re.MULTILINE)
         return [(int(axis), what, *re.split(" {2,}", row.rstrip())) for axis, what, row in found]
 
-    assert rows(printed["figure9"]) == [
+    assert rows(printed["figure9-quintic"]) == [
         (2, "rotor rate", "315 rad/s", "334 rad/s", "0.502 to 0.704", "1"),
         (3, "nominal torque", "4 N m", "4.7 N m", "0.929 to 1.500", "1"),
     ]
-    assert "Sustained saturation" not in printed["figure9"]
+    assert "Sustained saturation" not in printed["figure9-quintic"]
     assert rows(printed["fast.toml"])[-1] == (
         *(3, "saturation", "0.05 s"),
         *("0.639 s", "0.159 to 0.281", "4"),  # the longest, when the first was, how many
@@ -291,7 +291,8 @@ def test_a_mistake_is_one_line_and_exit_code_2(command, tmp_path, arguments, mes
 
 
 @pytest.mark.parametrize(
-    "arguments", [["run"], ["fly"], ["run", "figure9", "--method", "euler"], ["list", "--all"]]
+    "arguments",
+    [["run"], ["fly"], ["run", "figure9-quintic", "--method", "euler"], ["list", "--all"]],
 )
 def test_wrong_usage_is_exit_code_2(command, arguments):
     assert command(*arguments).exit_code == 2
@@ -304,24 +305,28 @@ def test_list_describes_every_scenario(command):
 
 
 def test_what_show_prints_is_a_scenario(command, tmp_path):
-    (tmp_path / "mine.toml").write_text(command("show", "figure9").stdout)
-    assert r3.Scenario.load("mine.toml").source == r3.Scenario.load("figure9").source
+    (tmp_path / "mine.toml").write_text(command("show", "figure9-quintic").stdout)
+    assert r3.Scenario.load("mine.toml").source == r3.Scenario.load("figure9-quintic").source
 
 
 # --- what machines read -------------------------------------------------------------------------
 
 
 def test_run_tells_machines_the_same(command):
-    done = command("run", "figure9", "--json")
+    done = command("run", "figure9-quintic", "--json")
     said = json.loads(done.stdout)
-    result = r3.Scenario.load("figure9").run()
+    result = r3.Scenario.load("figure9-quintic").run()
     assert said["status"] == "completed"
     assert said["events"] == {"dead_zone": 26, "friction": 20, "backlash": 13, "reference": 1}
     highest = result.joint_angle.max(axis=0).tolist()
     assert said["signals"]["joint_angle"]["highest"] == highest
     assert said["statistics"]["steps"] == result.statistics.steps
     assert [excess["axis"] for excess in said["limits"]] == [e.axis for e in result.limits]
-    assert said["files"] == ["figure9/result.npz", "figure9/events.csv", "figure9/figure9.png"]
+    assert said["files"] == [
+        "figure9-quintic/result.npz",
+        "figure9-quintic/events.csv",
+        "figure9-quintic/figure9-quintic.png",
+    ]
 
 
 def test_what_is_not_a_number_is_null(command, tmp_path):
@@ -360,7 +365,7 @@ def test_runs_are_compared(command):
     command("run", "short.toml")
     same = command("compare", "short/result.npz", "short.toml")
     assert (same.exit_code, same.stdout.splitlines()[0]) == (0, "agrees from 0 to 0.02 s")
-    differs = command("compare", "sampled-control", "figure9", "--json")
+    differs = command("compare", "sampled-control", "figure9-quintic", "--json")
     assert differs.exit_code == 1
     said = json.loads(differs.stdout)
     assert not said["agrees"]

@@ -59,7 +59,7 @@ def limited(**options):
 SPLINE = r3.Spline([0.0, 0.2, 0.35], [[0.0] * 3, [0.1, 0.3, -0.1], [0.2, 0.1, 1 / 3]])
 SEQUENCE = r3.Sequence([MOTION, r3.Hold([0.3, -0.2, 0.4], 0.1), r3.Quintic(MOTION.end, [0] * 3, 1)])
 RESULTS = {
-    "figure9": lambda: scenario("figure9", t_end=0.6),
+    "figure9": lambda: scenario("figure9-quintic", t_end=0.6),
     "full-robot": lambda: scenario("full-robot", t_end=0.4),
     "one-axis": lambda: scenario("one-axis"),
     "exponential": lambda: run(3, RUNS["3-quintic"]._motion(r3), method="exponential"),
@@ -170,7 +170,7 @@ def test_overrides_change_a_rerun_and_nothing_else():
 
 
 def test_results_of_many_runs_repeat_themselves():
-    figure9 = r3.Scenario.load("figure9")
+    figure9 = r3.Scenario.load("figure9-quintic")
     pair, of_scenario = r3.simulate_many([(r3.Robot(4), MOTION), figure9], 0.1, rtol=1e-6)
     for result in (pair, of_scenario):
         assert_same(result.rerun(), result)
@@ -204,7 +204,7 @@ def test_a_loaded_result_is_the_written_one_on_another_build_too(tmp_path):
 
 def test_a_result_says_where_it_comes_from():
     built = r3.build_info()
-    figure9 = r3.Scenario.load("figure9")
+    figure9 = r3.Scenario.load("figure9-quintic")
     assert figure9.run(t_end=0.05, rtol=1e-6, method="bdf").provenance == {
         "version": built.version,
         "scenario": figure9.source,
@@ -418,7 +418,7 @@ def test_samples_are_a_dataset_that_selects_by_time():
 
 def test_others_open_the_file_by_xarray_alone(tmp_path):
     library = xarray()
-    result = scenario("figure9", t_end=0.1)
+    result = scenario("figure9-quintic", t_end=0.1)
     result.save(tmp_path / "run.nc")
     with library.open_dataset(tmp_path / "run.nc") as data:
         np.testing.assert_array_equal(data.motor_torque, result.motor_torque)

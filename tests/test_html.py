@@ -75,10 +75,10 @@ def test_a_motion_shows_where_it_begins_and_ends(motion):
 
 
 def test_a_scenario_shows_what_it_is_made_of():
-    scenario = r3.Scenario.load("figure9")
+    scenario = r3.Scenario.load("figure9-quintic")
     tables = shown(scenario)
     assert tables.captions == [
-        f"figure9: {scenario.description}",
+        f"figure9-quintic: {scenario.description}",
         *shown(scenario.robot).captions,
         *shown(scenario.motion).captions,
     ]
@@ -86,7 +86,7 @@ def test_a_scenario_shows_what_it_is_made_of():
 
 
 def test_a_result_shows_its_peaks():
-    result = r3.Scenario.load("figure9").run()
+    result = r3.Scenario.load("figure9-quintic").run()
     tables = shown(result)
     assert tables.facts["status"] == "completed"
     assert tables.facts["events"] == "60"
@@ -102,7 +102,7 @@ def test_a_result_without_a_motion_is_shown_as_well():
 
 
 def test_a_table_of_events_ends_where_a_reader_does():
-    events = r3.Scenario.load("figure9").run().events
+    events = r3.Scenario.load("figure9-quintic").run().events
     tables = shown(events)
     assert tables.captions == ["60 events"]
     assert tables.rows[0] == ["time [s]", "axis", "element", "before", "after"]

@@ -100,7 +100,7 @@ def test_inputs_of_robots_without_controllers():
 
 
 def test_scenarios_stand_for_their_runs():
-    figure9, one_axis = r3.Scenario.load("figure9"), r3.Scenario.load("one-axis")
+    figure9, one_axis = r3.Scenario.load("figure9-quintic"), r3.Scenario.load("one-axis")
     results = r3.simulate_many([one_axis, figure9], t_end=0.1)
     assert_same(results[0], one_axis.run(t_end=0.1))
     assert_same(results[1], figure9.run(t_end=0.1))

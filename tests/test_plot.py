@@ -28,7 +28,7 @@ def pyplot():
 
 @pytest.fixture(scope="module")
 def result():
-    return r3.Scenario.load("figure9").run()
+    return r3.Scenario.load("figure9-quintic").run()
 
 
 @pytest.fixture(scope="module")

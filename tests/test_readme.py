@@ -42,7 +42,7 @@ def test_the_command_that_passes_the_tests_is_the_one_that_is_run():
 
 def test_the_command_that_runs_the_main_job_names_what_there_is():
     extra, scenario = re.fullmatch(
-        r'pip install "\.\[(\w+)\]" && manutec-r3 run (\w+)', commands()[0]
+        r'pip install "\.\[(\w+)\]" && manutec-r3 run ([\w-]+)', commands()[0]
     ).groups()
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     assert re.search(rf"^{extra} = \[", project, re.M)

@@ -51,13 +51,46 @@ def test_every_scenario_of_the_package_loads_under_its_name():
         assert scenario.t_end > 0.0
 
 
-def test_figure9_is_the_published_experiment():
-    scenario = r3.Scenario.load("figure9")
+def test_figure9_quintic_is_the_published_experiment_on_a_quintic():
+    scenario = r3.Scenario.load("figure9-quintic")
     assert scenario.robot == r3.Robot(model=3, load=r3.Load(15.0, (0.0, 0.0, 0.25)))
     assert scenario.t_end == 1.5
     assert scenario.motion.duration == 1.2
     np.testing.assert_array_equal(scenario.motion.angle(0.0), np.zeros(6))
     np.testing.assert_array_equal(scenario.motion.angle(1.2), [1.0, 1.0, 0.6, -0.2, -0.15, -0.1])
+
+
+def test_figure9_is_the_published_experiment_on_an_optimal_motion():
+    """By the report's rules, within the ranges of its plots (spec 9)."""
+    scenario, quintic = r3.Scenario.load("figure9"), r3.Scenario.load("figure9-quintic")
+    assert scenario.robot == quintic.robot
+    assert scenario.published == quintic.published
+    assert scenario.t_end == 1.5
+    assert 1.2 <= scenario.motion.duration <= 1.3
+    np.testing.assert_array_equal(scenario.motion.angle(0.0), np.zeros(6))
+    shoulder = scenario.robot.parameters["table_3"]["shoulder_height"]
+    height = scenario.robot.load_position(scenario.motion.angle(1.5))[2] + shoulder
+    assert height < 0.9  # of 2.155 m at the start [m]
+    result = scenario.run()
+    for signal, (lowest, highest) in scenario.published.items():
+        values = getattr(result, signal)
+        assert lowest <= values.min() < values.max() <= highest, signal
+    assert {excess.what for excess in result.limits} == {"nominal_torque"}  # the load is held
+
+
+def test_the_command_computes_the_motion_of_figure9_anew():
+    from manutec_r3.optimal import figure9
+
+    stored = r3.Scenario.load("figure9").motion
+    anew = figure9.motion()
+    t = np.linspace(0.0, 1.5, 301)
+    # As far as IPOPT determines an optimum, on any machine; here they differ by 1e-12 rad.
+    np.testing.assert_allclose(stored.angle(t)[:, :3], anew.angle(t), rtol=0, atol=1e-6)
+    assert not stored.angle(t)[:, 3:].any()
+    same_but_for_digits = figure9.file().splitlines()
+    assert len(same_but_for_digits) == len(r3.Scenario.load("figure9").source.splitlines())
+    assert anew.torque_margins.min() > -7e-3  # the reserve is beyond these margins
+    assert anew.rate_margins.min() > -5e-3
 
 
 @pytest.mark.parametrize(

@@ -11,12 +11,17 @@ namespace manutec_r3::arm {
 // Where a vector of Eigen keeps its component along an axis: v[component(axis)].
 constexpr int component(Axis axis) { return static_cast<int>(axis); }
 
-inline Vector<3> unit(Axis axis) { return Vector<3>::Unit(component(axis)); }
+template <class Number = double>
+Vector<3, Number> unit(Axis axis) {
+  return Vector<3, Number>::Unit(component(axis));
+}
 
 // Of arm j in the frame of arm j-1, about x or z; a positive angle turns by the right-hand rule.
-inline Matrix<3> rotation(Axis axis, double angle) {
-  const double c = std::cos(angle), s = std::sin(angle);
-  Matrix<3> R;
+template <class Number>
+Matrix<3, Number> rotation(Axis axis, const Number& angle) {
+  using std::cos, std::sin;
+  const Number c = cos(angle), s = sin(angle);
+  Matrix<3, Number> R;
   if (axis == Axis::x) {
     R << 1, 0, 0, 0, c, -s, 0, s, c;
   } else {

@@ -1,4 +1,5 @@
-// Vectors and matrices of fixed size: three components of space, or one for each axis.
+// Vectors and matrices of fixed size: three components of space, or one for each axis; of doubles,
+// or of another kind of number (recorded.hpp).
 #pragma once
 
 #include <Eigen/Core>
@@ -8,16 +9,19 @@
 
 namespace manutec_r3::arm {
 
-template <int N>
-using Vector = Eigen::Matrix<double, N, 1>;
+template <int N, class Number = double>
+using Vector = Eigen::Matrix<Number, N, 1>;
 
-template <int N>
-using Matrix = Eigen::Matrix<double, N, N>;
+template <int N, class Number = double>
+using Matrix = Eigen::Matrix<Number, N, N>;
 
 // A vector that somebody else keeps, such as a part of a state: it is not copied.
 template <int N>
 using VectorView = Eigen::Ref<const Vector<N>>;
 
-inline Vector<3> as_vector(const Triple& v) { return {v.x, v.y, v.z}; }
+template <class Number = double>
+Vector<3, Number> as_vector(const Triple& v) {
+  return {v.x, v.y, v.z};
+}
 
 }  // namespace manutec_r3::arm

@@ -53,6 +53,32 @@ Array inverse_dynamics(const Robot& robot, const Array& q, const Array& qd, cons
   });
 }
 
+// The formula of the joint torques: the lines of its tape (operation, first operand, second
+// operand, constant), whose inputs are angles, rates and accelerations, and on which line each
+// torque stands.
+py::tuple inverse_dynamics_tape(const Robot& robot) {
+  arm::Tape tape;
+  py::list torques;
+  std::visit(
+      [&]<int N>(const arm::Mechanism<N>& mechanism) {
+        std::array<arm::Vector<N, arm::Recorded>, 3> inputs;  // q, qd, qdd
+        for (auto& of_axes : inputs) {
+          for (auto& number : of_axes) number = tape.input();
+        }
+        const auto& [q, qd, qdd] = inputs;
+        for (const auto& torque : arm::inverse_dynamics(mechanism, q, qd, qdd)) {
+          torques.append(tape.place_of(torque));
+        }
+      },
+      robot.arm());
+  py::list lines;
+  for (const arm::Tape::Line& line : tape.lines()) {
+    lines.append(
+        py::make_tuple(arm::name_of(line.operation), line.first, line.second, line.constant));
+  }
+  return py::make_tuple(lines, torques);
+}
+
 Array mass_matrix(const Robot& robot, const Array& q) {
   Array result({q.shape(0), q.shape(1), q.shape(1)});
   std::visit(
@@ -87,6 +113,7 @@ void register_arm(py::module_& module) {
   module.def("forward_dynamics", &forward_dynamics);
   module.def("articulated_forward_dynamics", &articulated_forward_dynamics);
   module.def("inverse_dynamics", &inverse_dynamics);
+  module.def("inverse_dynamics_tape", &inverse_dynamics_tape);
   module.def("mass_matrix", &mass_matrix);
   module.def("link_poses", &link_poses);
 }

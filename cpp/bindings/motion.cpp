@@ -132,6 +132,11 @@ void register_motion(py::module_& module) {
   module.def("spline", [shared](const Array& times, const Array& angles) {
     return shared(motion::spline(as_span(times), as_span(angles)));
   });
+  // coefficients (n, n_powers, n_axes)
+  module.def("polynomials", [shared](const Array& times, const Array& coefficients) {
+    return shared(motion::polynomials(as_span(times), as_span(coefficients), coefficients.shape(1),
+                                      coefficients.shape(2)));
+  });
   module.def("hold", [shared](const Array& angles, double duration) {
     return shared(motion::hold(as_span(angles), duration));
   });

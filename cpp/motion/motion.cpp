@@ -92,6 +92,29 @@ Piece along_line(double begin, double length, std::span<const double> start,
   return {begin, line};
 }
 
+void check_times(std::span<const double> times) {
+  const std::size_t n = times.size();
+  if (n < 2) refuse("times", "at least 2 instants [s]", n);
+  if (!(times[0] >= 0.0)) refuse("times[0]", "a finite time from 0 s on", times[0]);
+  for (std::size_t k = 1; k < n; ++k) {
+    if (std::isfinite(times[k]) && times[k] > times[k - 1]) continue;
+    refuse(entry("times", k), "a finite time after " + in_seconds(times[k - 1]), times[k]);
+  }
+}
+
+// Angles at which something begins must be those at which what was before has ended.
+void check_meeting(const std::string& field, std::span<const double> here,
+                   std::span<const double> before, const std::string& field_before, double t) {
+  for (std::size_t i = 0; i < here.size(); ++i) {
+    if (std::abs(here[i] - before[i]) <= meeting_tolerance) continue;
+    std::ostringstream expected;
+    expected.precision(12);
+    expected << "to begin on axis " << i + 1 << " at " << before[i] << " rad, where "
+             << field_before << " ends at " << in_seconds(t);
+    refuse(field, expected.str(), here[i]);
+  }
+}
+
 // Exactly at rest, exactly at the angles.
 Piece at_rest(double begin, std::span<const double> angles) {
   Polynomials rest{begin, 1.0};
@@ -301,13 +324,8 @@ Motion trapezoid(std::span<const double> start, std::span<const double> end,
 }
 
 Motion spline(std::span<const double> times, std::span<const double> angles) {
+  check_times(times);
   const std::size_t n = times.size();
-  if (n < 2) refuse("times", "at least 2 instants [s]", n);
-  if (!(times[0] >= 0.0)) refuse("times[0]", "a finite time from 0 s on", times[0]);
-  for (std::size_t k = 1; k < n; ++k) {
-    if (std::isfinite(times[k]) && times[k] > times[k - 1]) continue;
-    refuse(entry("times", k), "a finite time after " + in_seconds(times[k - 1]), times[k]);
-  }
   const std::size_t n_axes = angles.size() / n;
   const auto row = [&](std::size_t k) { return angles.subspan(k * n_axes, n_axes); };
   for (std::size_t k = 0; k < n; ++k) check_angles(entry("angles", k), row(k));
@@ -335,6 +353,44 @@ Motion spline(std::span<const double> times, std::span<const double> angles) {
   }
   pieces.push_back(at_rest(times.back(), row(n - 1)));
   return {copied(row(0)), std::move(pieces), times.back()};
+}
+
+Motion polynomials(std::span<const double> times, std::span<const double> coefficients,
+                   std::size_t n_powers, std::size_t n_axes) {
+  check_times(times);
+  check_number_of_axes("coefficients of a power", n_axes);
+  constexpr std::size_t most_powers = std::tuple_size_v<decltype(Polynomials::coefficients)>;
+  if (n_powers < 1 || n_powers > most_powers) {
+    refuse("coefficients of a piece", "1 to 6 powers, x^0 to x^5", n_powers);
+  }
+  std::vector<Piece> pieces;
+  std::vector<double> start, end(n_axes);
+  for (std::size_t k = 0; k + 1 < times.size(); ++k) {
+    Polynomials law{times[k], times[k + 1] - times[k]};
+    const std::string piece = entry("coefficients", k);
+    std::vector<double> begin(n_axes), end_of_piece(n_axes);
+    for (std::size_t power = 0; power < n_powers; ++power) {
+      for (std::size_t i = 0; i < n_axes; ++i) {
+        const double value = coefficients[(k * n_powers + power) * n_axes + i];
+        if (!std::isfinite(value)) {
+          refuse(of_axis(piece + " of x^" + std::to_string(power), i), "a finite value [rad]",
+                 value);
+        }
+        law.coefficients[power][i] = value;
+        if (power == 0) begin[i] = value;
+        end_of_piece[i] += value;
+      }
+    }
+    if (k == 0) {
+      start = begin;
+    } else {
+      check_meeting(piece, begin, end, entry("coefficients", k - 1), times[k]);
+    }
+    end = end_of_piece;
+    pieces.push_back({times[k], law});
+  }
+  pieces.push_back(at_rest(times.back(), end));
+  return {std::move(start), std::move(pieces), times.back()};
 }
 
 Motion hold(std::span<const double> angles, double duration) {
@@ -367,15 +423,8 @@ Motion sequence(std::span<const std::shared_ptr<const Motion>> members) {
              member->n_axes());
     }
     if (m > 0) {
-      const std::vector<double> here = angles_at(*member, 0.0);
-      for (int i = 0; i < n_axes; ++i) {
-        if (std::abs(here[i] - angles[i]) <= meeting_tolerance) continue;
-        std::ostringstream expected;
-        expected.precision(12);
-        expected << "to begin on axis " << i + 1 << " at " << angles[i] << " rad, where "
-                 << entry("motions", m - 1) << " ends at " << in_seconds(begin);
-        refuse(entry("motions", m), expected.str(), here[i]);
-      }
+      check_meeting(entry("motions", m), angles_at(*member, 0.0), angles, entry("motions", m - 1),
+                    begin);
       add(member, 0.0, member->piece_at(0.0));
     }
     for (std::size_t k = 0; k < member->knots().size(); ++k) {

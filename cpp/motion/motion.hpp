@@ -113,6 +113,13 @@ Motion trapezoid(std::span<const double> start, std::span<const double> end,
 // and zero rate at both ends. Every time is a knot.
 Motion spline(std::span<const double> times, std::span<const double> angles);
 
+// Any polynomials up to degree 5, a piece between each two times: coefficients
+// (times.size() - 1, n_powers, n_axes), row by row, of x^0, x^1, ... in the normalised time x of a
+// piece, from 0 to 1. Each piece begins at the angles at which the one before has ended. At rest
+// before and after. Every time is a knot.
+Motion polynomials(std::span<const double> times, std::span<const double> coefficients,
+                   std::size_t n_powers, std::size_t n_axes);
+
 // Stays at the angles.
 Motion hold(std::span<const double> angles, double duration = 0.0);
 

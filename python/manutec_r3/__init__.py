@@ -24,13 +24,24 @@ from .comparison import (
     compare,
     compare_events,
 )
-from .errors import SimulationError, SimulationInterrupted
+from .errors import OptimisationError, SimulationError, SimulationInterrupted
 from .events import Event, Events
 from .export import export_fmu, export_mjcf, export_urdf
 from .inputs import Input
 from .limits import LimitExcess
 from .many_runs import EventRecord, FinalRecord, PeakRecord, Results, simulate_many
-from .motion import FunctionMotion, Hold, Motion, Quintic, Sequence, Spline, Trapezoid
+from .motion import (
+    FunctionMotion,
+    Hold,
+    Motion,
+    PiecewisePolynomial,
+    Quintic,
+    Sequence,
+    Spline,
+    Trapezoid,
+)
+from .optimal import OptimalMotion, ParetoMotions, optimal_motion, pareto_motions
+from .paths import fastest_along, jerk_limited_motion
 from .result import Result, Samples, Statistics
 from .robot import Load, Robot
 from .scenario import Scenario, scenarios
@@ -52,7 +63,11 @@ __all__ = [
     "LimitExcess",
     "Load",
     "Motion",
+    "OptimalMotion",
+    "OptimisationError",
+    "ParetoMotions",
     "PeakRecord",
+    "PiecewisePolynomial",
     "Quintic",
     "Result",
     "Results",
@@ -73,6 +88,10 @@ __all__ = [
     "export_fmu",
     "export_mjcf",
     "export_urdf",
+    "fastest_along",
+    "jerk_limited_motion",
+    "optimal_motion",
+    "pareto_motions",
     "plot",
     "scenarios",
     "simulate",

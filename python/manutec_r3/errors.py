@@ -51,6 +51,10 @@ class SimulationError(RuntimeError):
         return type(self), arguments
 
 
+class OptimisationError(RuntimeError):
+    """No optimal motion was found, or what was found does not keep what it should."""
+
+
 class SimulationInterrupted(KeyboardInterrupt):
     """Somebody has interrupted a run.
 

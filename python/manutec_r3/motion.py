@@ -17,7 +17,8 @@ from .arguments import Floats, PerAxis, floats, number, numbers
 class Motion(ABC):
     """What all motions have in common.
 
-    Use `Quintic`, `Trapezoid`, `Spline`, `Hold`, a `Sequence` of them, or a `FunctionMotion`.
+    Use `Quintic`, `Trapezoid`, `Spline`, `PiecewisePolynomial`, `Hold`, a `Sequence` of them, or a
+    `FunctionMotion`.
 
     A motion begins at 0 s; before, it rests at its start. It is immutable, comparable, picklable.
     At its knots it is right-continuous.
@@ -278,6 +279,82 @@ class Spline(Motion):
     @cached_property
     def _compiled(self) -> _core.Motion:
         return _core.spline(self.times, self.angles)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PiecewisePolynomial(Motion):
+    """Polynomials of time, one for each axis and each piece between two times.
+
+    On piece k, with ``x = (t - times[k]) / (times[k + 1] - times[k])``, the angles are
+    ``coefficients[k][0] + coefficients[k][1] x + coefficients[k][2] x^2 + ...``. It rests before
+    the first time and after the last. Every time is a knot. Two are equal if they move alike.
+
+    Parameters
+    ----------
+    times : sequence of n + 1 floats
+        Instants [s], at least two, ascending, the first not before 0.
+    coefficients : array_like (n, n_powers, n_axes)
+        Of the n pieces, of x^0, x^1, ... up to x^5, for 1, 3 or 6 axes [rad]. Each piece begins at
+        the angles at which the one before has ended, within 1e-9 rad.
+
+    Raises
+    ------
+    ValueError, TypeError
+        What was wrong (argument, piece, axis, unit), what was expected, what arrived.
+
+    Examples
+    --------
+    Up with constant acceleration, and down again:
+
+    >>> up, down = [[0.0], [0.0], [1.0]], [[1.0], [0.0], [-1.0]]
+    >>> motion = r3.PiecewisePolynomial([0.0, 0.5, 1.0], [up, down])
+    >>> motion.angle([0.25, 0.5, 1.0]).ravel()
+    array([0.25, 1.  , 0.  ])
+    """
+
+    times: tuple[float, ...]
+    coefficients: tuple[tuple[tuple[float, ...], ...], ...]
+
+    def __init__(self, times: Floats, coefficients: np.ndarray | abc.Sequence[PerAxis]) -> None:
+        instants = _instants("times", times)
+        array = numbers(
+            "coefficients",
+            coefficients,
+            "numbers [rad], for each piece and power a row of axes",
+        )
+        if array.ndim != 3 or len(array) != len(instants) - 1:
+            raise ValueError(
+                f"coefficients: expected shape ({len(instants) - 1}, n_powers, n_axes) [rad], for "
+                f"each piece between two times and each power a row of axes, got shape "
+                f"{array.shape}"
+            )
+        of_pieces = tuple(tuple(map(tuple, piece)) for piece in array.tolist())
+        self._freeze(times=instants, coefficients=of_pieces)
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, PiecewisePolynomial)
+            and self.times == other.times
+            and self.coefficients == other.coefficients
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.times, self.coefficients))
+
+    def __repr__(self) -> str:
+        return (
+            f"{type(self).__name__}({len(self.coefficients)} pieces of {self.n_axes} axes, "
+            f"{self.times[0]:g} to {self.times[-1]:g} s)"
+        )
+
+    @property
+    def duration(self) -> float:
+        """The last of the times [s]."""
+        return self._compiled.duration
+
+    @cached_property
+    def _compiled(self) -> _core.Motion:
+        return _core.polynomials(self.times, np.array(self.coefficients))
 
 
 @dataclass(frozen=True)

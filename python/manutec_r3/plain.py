@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .motion import Hold, Motion, Quintic, Sequence, Spline, Trapezoid
+from .motion import Hold, Motion, PiecewisePolynomial, Quintic, Sequence, Spline, Trapezoid
 from .robot import Load, Robot
 from .tables import TABLES
 
@@ -26,6 +26,10 @@ MOTIONS: dict[str, tuple[type[Motion], dict[str, str]]] = {
         },
     ),
     "spline": (Spline, {"times": "times", "angles": "angles"}),
+    "piecewise-polynomial": (
+        PiecewisePolynomial,
+        {"times": "times", "coefficients": "coefficients"},
+    ),
     "hold": (Hold, {"angles": "angles", "duration": "duration"}),
     "sequence": (Sequence, {"motions": "motions"}),
 }
@@ -85,7 +89,7 @@ def of_motion(motion: Motion) -> dict[str, Any]:
         If it, or a member of it, is made of functions.
     """
     for name, (kind, arguments) in MOTIONS.items():
-        if type(motion) is kind:
+        if isinstance(motion, kind):
             values = {argument: getattr(motion, held) for argument, held in arguments.items()}
             return {"type": name} | {key: of_value(value) for key, value in values.items()}
     raise TypeError(f"motion: expected one of {', '.join(MOTIONS)}, got {motion!r}")

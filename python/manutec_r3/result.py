@@ -318,7 +318,7 @@ class Result(Samples):
 
         Examples
         --------
-        >>> result = r3.Scenario.load("figure9").run()
+        >>> result = r3.Scenario.load("figure9-quintic").run()
         >>> result.at(0.6).joint_angle.round(3)
         array([[ 0.496,  0.499,  0.302, -0.099, -0.073, -0.05 ]])
         """
@@ -377,7 +377,7 @@ class Result(Samples):
 
         Examples
         --------
-        >>> result = r3.Scenario.load("figure9").run()
+        >>> result = r3.Scenario.load("figure9-quintic").run()
         >>> result.save("run.npz")
         >>> same = r3.Result.load("run.npz")
         >>> np.array_equal(same.motor_torque, result.motor_torque), same.events == result.events

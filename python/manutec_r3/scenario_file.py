@@ -96,6 +96,16 @@ class SplineTable(Table):
     angles: list[Numbers] = _is("a list of lists of joint angles [rad], one for each time")
 
 
+class PiecewisePolynomialTable(Table):
+    """A `PiecewisePolynomial`."""
+
+    type: Literal["piecewise-polynomial"]
+    times: Numbers = _is("a list of instants [s]")
+    coefficients: list[list[Numbers]] = _is(
+        "for each piece a list of lists of coefficients [rad], one for each power of x"
+    )
+
+
 class HoldTable(Table):
     """A `Hold`."""
 
@@ -112,7 +122,12 @@ class SequenceTable(Table):
 
 
 MotionTable = Annotated[
-    QuinticTable | TrapezoidTable | SplineTable | HoldTable | SequenceTable,
+    QuinticTable
+    | TrapezoidTable
+    | SplineTable
+    | PiecewisePolynomialTable
+    | HoldTable
+    | SequenceTable,
     Field(discriminator="type"),
 ]
 

@@ -92,7 +92,7 @@ def compare_events(
 
     Examples
     --------
-    >>> scenario = r3.Scenario.load("figure9")
+    >>> scenario = r3.Scenario.load("figure9-quintic")
     >>> compared = r3.compare_events(scenario.run().events, scenario.run(rtol=1e-10).events)
     >>> compared.same_sequence, compared.largest_time_difference < 1e-6
     (True, True)

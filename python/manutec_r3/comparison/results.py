@@ -248,7 +248,7 @@ def compare(
 
     Examples
     --------
-    >>> scenario = r3.Scenario.load("figure9")
+    >>> scenario = r3.Scenario.load("figure9-quintic")
     >>> comparison = r3.compare(scenario.run(), scenario.run(method="exponential"))
     >>> comparison.agrees, comparison.events.same_sequence
     (True, True)

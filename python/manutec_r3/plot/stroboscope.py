@@ -1,5 +1,6 @@
 """The arm in equal intervals of time, as the report's Figure 8 shows it."""
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -12,6 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ..result import Result
+    from ..robot import Robot
 
 _POINTS_OF_PATH = 600
 _PALEST = 0.2  # opacity of the first pose
@@ -61,9 +63,23 @@ def stroboscope(
     if view not in _AXES:
         raise ValueError(f"view: expected 'side' or 'top', got {view!r}")
     panel = single(axes, (COLUMN, 88.0))
-    time = np.linspace(0.0, result.t_end, n)
-    poses = _seen(result, time, view)
-    path = _seen(result, np.linspace(0.0, result.t_end, _POINTS_OF_PATH), view)[:, -1]
+    draw_poses(panel, result.robot, lambda t: result.at(t).joint_angle, result.t_end, n, view)
+    head(panel, f"The arm from the {view}", f"every {result.t_end / (n - 1):.3g} s", columns=2)
+    return panel
+
+
+def draw_poses(
+    panel: "Axes",
+    robot: "Robot",
+    angle: Callable[[np.ndarray], np.ndarray],
+    t_end: float,
+    n: int,
+    view: str,
+) -> None:
+    """Draw n poses of a robot on a panel, of joint angles (n, n_axes) as a function of times."""
+    time = np.linspace(0.0, t_end, n)
+    poses = _seen(robot, angle(time), view)
+    path = _seen(robot, angle(np.linspace(0.0, t_end, _POINTS_OF_PATH)), view)[:, -1]
 
     if view == "side":
         panel.axhline(0.0, color=LINE, linewidth=HAIR, zorder=0)  # the floor
@@ -78,7 +94,7 @@ def stroboscope(
             solid_joinstyle="round",
             label="arm",
         )
-    moved = "load" if result.robot.load.mass else "tip"
+    moved = "load" if robot.load.mass else "tip"
     panel.plot(*path.T, color=EMPHASIS, linewidth=0.8, zorder=3, label=f"path of the {moved}")
     panel.plot(
         *poses[:, -1].T, color=EMPHASIS, marker="o", markersize=3.0, linestyle="none", zorder=3
@@ -92,14 +108,10 @@ def stroboscope(
     panel.margins(0.0)
     panel.set_aspect("equal", adjustable="datalim")
     label(panel, *_AXES[view])
-    head(panel, f"The arm from the {view}", f"every {time[1]:.3g} s", columns=2)
-    return panel
 
 
-def _seen(result: "Result", time: np.ndarray, view: str) -> np.ndarray:
+def _seen(robot: "Robot", angles: np.ndarray, view: str) -> np.ndarray:
     """Foot, joints and load or tip as they are seen, (n, 8, 2) [m]."""
-    robot = result.robot
-    angles = result.at(time).joint_angle
     frames = robot.link_poses(angles)[:, :, :3, 3]
     points = np.concatenate((frames, robot.load_position(angles)[:, None]), axis=1)
     points[:, 0] = 0.0

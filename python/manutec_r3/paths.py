@@ -1,0 +1,298 @@
+"""Motions by the planners of others: along a given path, and with limited jerk.
+
+Thin layers over TOPP-RA and Ruckig: ``pip install "manutec-r3[paths]"``. The core's own inverse
+dynamics checks what they return.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from .arguments import Floats, PerAxis, per_axis
+from .errors import OptimisationError
+from .files.missing import missing
+from .motion import PiecewisePolynomial
+from .motor_limits import (
+    angles,
+    check_motors_are_known,
+    count,
+    gear_ratios,
+    positive_per_axis,
+    rate_limits,
+    torque_limits,
+)
+from .robot import Robot
+
+# By how much of it a limit may be exceeded. TOPP-RA keeps limits at its grid points; between them,
+# with constant acceleration along the path, they were exceeded by up to 0.07 % on 50 intervals.
+_EXCESS = 0.01
+_SAMPLES_OF_PIECE = 11
+
+# Of x^0 to x^5: the quintic with given angles, slopes and bends at x = 0 and x = 1.
+_HERMITE = np.linalg.inv(
+    [
+        [1, 0, 0, 0, 0, 0],
+        [0, 1, 0, 0, 0, 0],
+        [0, 0, 2, 0, 0, 0],
+        [1, 1, 1, 1, 1, 1],
+        [0, 1, 2, 3, 4, 5],
+        [0, 0, 2, 6, 12, 20],
+    ]
+)
+
+
+def fastest_along(
+    robot: Robot,
+    waypoints: PerAxis,
+    torque_limit: float | Floats | None = None,
+    rate_limit: float | Floats | None = None,
+    *,
+    friction: bool = False,
+    n_grid: int = 200,
+) -> PiecewisePolynomial:
+    """Find the fastest motion along a path, from rest to rest, by TOPP-RA.
+
+    The path is the natural cubic spline through the waypoints over the length of its chords. Along
+    it TOPP-RA finds the largest acceleration that motor torques, with ideal gears, and joint rates
+    allow, constant on each of `n_grid` intervals.
+
+    Parameters
+    ----------
+    robot : Robot
+        Model 1 to 4.
+    waypoints : array_like (n, n_axes)
+        Joint angles [rad], two or more.
+    torque_limit : float or sequence of n_axes floats, optional
+        Of the motors, motor side [N m]; default: ``rF_max`` of Table 1.
+    rate_limit : float or sequence of n_axes floats, optional
+        Joint side [rad/s]; default: ``rotor_rate_max`` of Table 1 over the gear ratio.
+    friction : bool
+        Whether the motors are to overcome the friction of Table 2 as well. As much as it is at the
+        rate limit, its largest, is left of their torque for it.
+    n_grid : int
+        Number of intervals, and of pieces of the motion.
+
+    Returns
+    -------
+    PiecewisePolynomial
+
+    Raises
+    ------
+    ValueError, TypeError
+        What was wrong (argument, axis, unit), what was expected, what arrived.
+    OptimisationError
+        If no motion along the path is within the limits, or a limit is exceeded by more than 1 %
+        between grid points.
+    ImportError
+        If TOPP-RA is not installed.
+
+    References
+    ----------
+    H. Pham, Q.-C. Pham: A New Approach to Time-Optimal Path Parameterization Based on Reachability
+    Analysis, IEEE Transactions on Robotics 34 (2018).
+    """
+    try:
+        import toppra
+        from toppra.algorithm import TOPPRA
+        from toppra.constraint import JointVelocityConstraint, SecondOrderConstraint
+    except ImportError:
+        raise missing("toppra", "fastest_along", "paths") from None
+    limits = _Limits(robot, torque_limit, rate_limit, friction)
+    points = _waypoints(waypoints, robot.n_axes)
+    chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    if not chords.all():
+        raise ValueError("waypoints: expected each to differ from the one before [rad]")
+    path = toppra.SplineInterpolator(np.append(0.0, np.cumsum(chords)), points, bc_type="natural")
+    # What friction may take is left to it in both directions, also where it helps to brake.
+    torque = limits.torque - np.abs(limits.friction_at(limits.rate))
+    for axis in np.flatnonzero(torque <= 0.0):
+        raise OptimisationError(f"friction of axis {axis + 1} takes all of the motor torque")
+    constraints = [
+        JointVelocityConstraint(np.column_stack((-limits.rate, limits.rate))),
+        SecondOrderConstraint.joint_torque_constraint(
+            limits.motor_torque, np.column_stack((-torque, torque)), np.zeros(robot.n_axes)
+        ),
+    ]
+    grid = np.linspace(0.0, path.path_interval[1], count("n_grid", n_grid, 2) + 1)
+    planner = TOPPRA(constraints, path, gridpoints=grid, parametrizer="ParametrizeConstAccel")
+    fast = planner.compute_trajectory(0.0, 0.0)
+    if fast is None:
+        raise OptimisationError("TOPP-RA found no motion along the path within the limits")
+    motion = _through(fast, path, grid)
+    limits.check(motion)
+    return motion
+
+
+def jerk_limited_motion(
+    robot: Robot,
+    start: Floats,
+    end: Floats,
+    acceleration_limit: float | Floats,
+    jerk_limit: float | Floats,
+    torque_limit: float | Floats | None = None,
+    rate_limit: float | Floats | None = None,
+    *,
+    friction: bool = False,
+) -> PiecewisePolynomial:
+    """Find the fastest motion from rest to rest with limited rates, accelerations, jerks by Ruckig.
+
+    All axes arrive at once. Their accelerations are continuous; pieces are cubic.
+
+    Parameters
+    ----------
+    robot : Robot
+        Model 1 to 4.
+    start, end : sequence of n_axes floats
+        Joint angles [rad].
+    acceleration_limit, jerk_limit : float or sequence of n_axes floats
+        Joint side [rad/s^2, rad/s^3].
+    torque_limit, rate_limit, friction
+        See `fastest_along`. Torques are not planned, only checked.
+
+    Returns
+    -------
+    PiecewisePolynomial
+
+    Raises
+    ------
+    ValueError, TypeError
+        What was wrong (argument, axis, unit), what was expected, what arrived.
+    OptimisationError
+        If a motor torque is beyond its limit by more than 1 %.
+    ImportError
+        If Ruckig is not installed.
+
+    References
+    ----------
+    L. Berscheid, T. Kroeger: Jerk-limited Real-time Trajectory Generation with Arbitrary Target
+    States, Robotics: Science and Systems XVII (2021).
+    """
+    try:
+        import ruckig
+    except ImportError:
+        raise missing("ruckig", "jerk_limited_motion", "paths") from None
+    limits = _Limits(robot, torque_limit, rate_limit, friction)
+    n = robot.n_axes
+    task = ruckig.InputParameter(n)
+    for place, name, value in (("current", "start", start), ("target", "end", end)):
+        setattr(task, f"{place}_position", angles(name, value, n).tolist())
+    task.max_velocity = limits.rate.tolist()
+    for name, limit, unit in (
+        ("acceleration", acceleration_limit, "rad/s^2"),
+        ("jerk", jerk_limit, "rad/s^3"),
+    ):
+        each = positive_per_axis(f"{name}_limit", limit, unit, n)
+        setattr(task, f"max_{name}", each.tolist())
+    fast = ruckig.Trajectory(n)
+    status = ruckig.Ruckig(n).calculate(task, fast)
+    if status != ruckig.Result.Working or fast.duration == 0.0:
+        raise ValueError(f"end: expected an end that Ruckig can go to, got {end!r}: {status.name}")
+    motion = _cubics(fast)
+    limits.check(motion)
+    return motion
+
+
+class _Limits:
+    """Of motor torques and joint rates; arrays (n_axes,)."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        torque: float | Floats | None,
+        rate: float | Floats | None,
+        friction: bool,
+    ) -> None:
+        check_motors_are_known(robot)
+        if not isinstance(friction, bool):
+            raise TypeError(f"friction: expected True or False, got {friction!r}")
+        self.robot = robot
+        self.torque = torque_limits(robot, torque)
+        self.rate = rate_limits(robot, rate)
+        self.friction = friction
+        self._gear_ratio = gear_ratios(robot)
+
+    def motor_torque(self, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
+        """Return torques (..., n_axes) [N m] with ideal gears."""
+        return self.robot.inverse_dynamics(q, qd, qdd) / self._gear_ratio
+
+    def friction_at(self, qd: np.ndarray) -> np.ndarray:
+        """Return what friction adds at joint rates (..., n_axes), as large as they have its sign.
+
+        The characteristic NL3 of Table 2 (specification section 5.1), its last segment extended.
+        """
+        rotor_rate = self._gear_ratio * qd
+        torque = np.zeros_like(rotor_rate)
+        if not self.friction:
+            return torque
+        for axis, points in enumerate(
+            self.robot.parameters["table_2"]["friction"][: len(self.rate)]
+        ):
+            rate, level = np.transpose(points)
+            size = np.abs(rotor_rate[..., axis])
+            beyond = (
+                (level[-1] - level[-2]) / (rate[-1] - rate[-2]) * np.maximum(size - rate[-1], 0)
+            )
+            sliding = np.sign(rotor_rate[..., axis])
+            torque[..., axis] = sliding * (np.interp(size, rate, level) + beyond)
+        return torque
+
+    def check(self, motion: PiecewisePolynomial) -> None:
+        """Refuse a motion that is beyond a limit."""
+        x = np.linspace(0.0, 1.0, _SAMPLES_OF_PIECE)[:-1]
+        t = (motion.knots[:-1, None] + np.diff(motion.knots)[:, None] * x).ravel()
+        qd = motion.rate(t)
+        torque = self.motor_torque(motion.angle(t), qd, motion.acceleration(t))
+        for what, values, limit, unit in (
+            ("motor torque", torque + self.friction_at(qd), self.torque, "N m"),
+            ("joint rate", qd, self.rate, "rad/s"),
+        ):
+            largest = np.abs(values).max(axis=0)
+            for axis in np.flatnonzero(largest > (1.0 + _EXCESS) * limit):
+                raise OptimisationError(
+                    f"{what} of axis {axis + 1}: expected at most {limit[axis]:g} {unit}, the "
+                    f"motion takes {largest[axis]:.4g} {unit}"
+                )
+
+
+def _waypoints(waypoints: PerAxis, n_axes: int) -> np.ndarray:
+    points = per_axis("waypoints", waypoints, "rad", n_axes)
+    if points.ndim != 2 or len(points) < 2:
+        raise ValueError(
+            f"waypoints: expected shape (n, {n_axes}), two or more rows of angles [rad], got "
+            f"shape {points.shape}"
+        )
+    return points
+
+
+def _through(fast: Any, path: Any, grid: np.ndarray) -> PiecewisePolynomial:
+    """Return quintic pieces with the angles, rates and accelerations at the ends of intervals."""
+    times, speed = fast._ts, fast._velocities
+    length = np.diff(times)[:, None]
+    at_ends = []
+    for side in (slice(None, -1), slice(1, None)):
+        s, rate = grid[side], speed[side, None]
+        bend = path(s, 2) * rate**2 + path(s, 1) * fast._us[:, None]
+        at_ends += [path(s), length * path(s, 1) * rate, length**2 * bend]
+    return PiecewisePolynomial(times, np.einsum("pe,ena->npa", _HERMITE, at_ends))
+
+
+def _cubics(fast: Any) -> PiecewisePolynomial:
+    """Return cubic pieces between all instants at which a jerk changes."""
+    ends = [np.cumsum([0.0, *profile.t]) for profile in fast.profiles[0]]
+    times = np.unique(np.concatenate(ends).clip(max=fast.duration))
+    times = times[np.append(True, np.diff(times) > 1e-12)]
+    middle = [fast.at_time(t) for t in (times[:-1] + times[1:]) / 2.0]
+    angle, rate, acceleration = np.moveaxis(np.array(middle), 1, 0)
+    h = np.diff(times)[:, None]
+    jerk = np.array([_jerk(fast, t) for t in (times[:-1] + times[1:]) / 2.0])
+    # From the middle of a piece, at x = 1/2, to its beginning.
+    a0 = acceleration - jerk * h / 2
+    v0 = rate - acceleration * h / 2 + jerk * h**2 / 8
+    q0 = angle - rate * h / 2 + acceleration * h**2 / 8 - jerk * h**3 / 48
+    return PiecewisePolynomial(
+        times, np.stack((q0, v0 * h, a0 * h**2 / 2, jerk * h**3 / 6), axis=1)
+    )
+
+
+def _jerk(fast: Any, t: float) -> list[float]:
+    return [p.j[int(np.searchsorted(np.cumsum(p.t), t))] for p in fast.profiles[0]]
