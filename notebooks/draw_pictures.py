@@ -2,7 +2,7 @@
 
 `blocks.svg` shows the parts of which every axis is made (report, section 3), with the symbols of
 the report: a left superscript `a` means the side of the arm, `r` the side of the rotor.
-`figure9.png` is what `manutec-r3 run figure9-quintic` draws, with fewer pixels.
+`figure9.png` is what `manutec-r3 run figure9` draws, with fewer pixels.
 `precision.png` shows what a tolerance means and what it costs, for each method; its times are those
 of the machine that draws it, relative to each other.
 `animation.png` is what `Result.animate` writes, as Chromium shows it; without one it is left out.
@@ -359,7 +359,7 @@ def main(folder: Path = PICTURES, repeats: int = 15) -> None:
     with mpl.rc_context({"svg.fonttype": "path", "svg.hashsalt": "blocks", "path.simplify": True}):
         blocks().savefig(folder / "blocks.svg", transparent=True, metadata={"Date": None})
         figure = new_figure()
-        figure9(r3.Scenario.load("figure9-quintic").run(), figure)
+        figure9(r3.Scenario.load("figure9").run(), figure)
         figure.savefig(folder / "figure9.png", dpi=200)
         points = work_precision(r3.Scenario.load("figure9-quintic"), repeats=repeats)
         precision(points).savefig(folder / "precision.png", dpi=110)

@@ -15,7 +15,8 @@ from matplotlib.text import Text
 
 NOTEBOOKS = Path(__file__).parents[1] / "notebooks"
 PICTURES = NOTEBOOKS / "pictures"
-PEERS = {"7_other_simulators": ["fmpy", "mujoco"]}  # what is met in a notebook
+# What a notebook needs besides the package.
+NEEDED = {"7_other_simulators": ["fmpy", "mujoco"], "8_optimal_motions": ["casadi"]}
 
 every_notebook = pytest.mark.parametrize(
     "path", sorted(NOTEBOOKS.glob("*.ipynb")), ids=lambda path: path.stem
@@ -54,8 +55,10 @@ def draw_pictures():
 
 @every_notebook
 def test_a_notebook_prints_what_is_kept_in_it(path, agg):
-    for peer in PEERS.get(path.stem, ()):
-        pytest.importorskip(peer, reason=f"{peer} is missing: pip install 'manutec-r3[notebooks]'")
+    for module in NEEDED.get(path.stem, ()):
+        pytest.importorskip(
+            module, reason=f"{module} is missing: pip install 'manutec-r3[notebooks]'"
+        )
     for cell, outputs in run_notebooks.run(read(path), path.name):
         assert cell["outputs"] == outputs
 

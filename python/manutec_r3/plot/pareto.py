@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 _SHOWN = 3  # motions beside the curve: the fastest, one between, the slowest
 _INTERVAL = 0.1  # between poses [s]: the same for all, so that the fast motion shows few
+_APART = 0.25  # of the extent of the arm: panels are small
 
 
 def pareto(motions: "ParetoMotions", axes: "np.ndarray | Figure | None" = None) -> np.ndarray:
@@ -65,7 +66,7 @@ def pareto(motions: "ParetoMotions", axes: "np.ndarray | Figure | None" = None) 
     for panel, place in zip(arms, shown, strict=True):
         motion = motions[place]
         n = 1 + max(1, round(motion.duration / _INTERVAL))
-        draw_poses(panel, motion.robot, motion.angle, motion.duration, n, "side")
+        draw_poses(panel, motion.robot, motion.angle, motion.duration, n, "side", _APART)
         entitle(panel, f"{motion.duration:.3f} s")
     if has_whole_figure(axes):
         explain(panels, "Optimal motions between least time and least effort")

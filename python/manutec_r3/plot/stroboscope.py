@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _POINTS_OF_PATH = 600
 _PALEST = 0.2  # opacity of the first pose
 _MARGIN = 0.12  # of the extent of the arm, for the instants written beside it
-_APART = 0.15  # of the extent of the path: instants that are closer are not both written
+_APART = 0.15  # of the extent of the arm: instants that are closer are not both written
 _AXES = {"side": ("forward [m]", "height [m]"), "top": ("x [m]", "y [m]")}
 
 
@@ -75,8 +75,12 @@ def draw_poses(
     t_end: float,
     n: int,
     view: str,
+    apart: float = _APART,
 ) -> None:
-    """Draw n poses of a robot on a panel, of joint angles (n, n_axes) as a function of times."""
+    """Draw n poses of a robot on a panel, of joint angles (n, n_axes) as a function of times.
+
+    Instants are written beside ends that are apart, by that part of the extent of all poses.
+    """
     time = np.linspace(0.0, t_end, n)
     poses = _seen(robot, angle(time), view)
     path = _seen(robot, angle(np.linspace(0.0, t_end, _POINTS_OF_PATH)), view)[:, -1]
@@ -99,7 +103,7 @@ def draw_poses(
     panel.plot(
         *poses[:, -1].T, color=EMPHASIS, marker="o", markersize=3.0, linestyle="none", zorder=3
     )
-    _write_instants(panel, time, poses)
+    _write_instants(panel, time, poses, apart)
     tidy(panel)
     seen = np.concatenate((poses.reshape(-1, 2), path))
     low, high = seen.min(axis=0), seen.max(axis=0)
@@ -125,7 +129,7 @@ def _seen(robot: "Robot", angles: np.ndarray, view: str) -> np.ndarray:
     return np.stack((x * np.sin(turned) - y * np.cos(turned), z + height), axis=-1)
 
 
-def _write_instants(panel: "Axes", time: np.ndarray, poses: np.ndarray) -> None:
+def _write_instants(panel: "Axes", time: np.ndarray, poses: np.ndarray, apart: float) -> None:
     """Write beside the ends of poses when they are, if they are far enough from each other."""
     from matplotlib.patheffects import withStroke
 
@@ -133,7 +137,7 @@ def _write_instants(panel: "Axes", time: np.ndarray, poses: np.ndarray) -> None:
     extent = np.ptp(poses.reshape(-1, 2), axis=0).max()
     written = np.empty((0, 2))
     for k in (0, len(ends) - 1, *range(1, len(ends) - 1)):
-        if (np.hypot(*(written - ends[k]).T) < _APART * extent).any():
+        if (np.hypot(*(written - ends[k]).T) < apart * extent).any():
             continue
         written = np.vstack((written, ends[k]))
         outward = ends[k] - poses[k, -2]
