@@ -114,11 +114,10 @@ def fastest_along(
         ),
     ]
     grid = np.linspace(0.0, path.path_interval[1], count("n_grid", n_grid, 2) + 1)
-    planner = TOPPRA(constraints, path, gridpoints=grid, parametrizer="ParametrizeConstAccel")
-    fast = planner.compute_trajectory(0.0, 0.0)
-    if fast is None:
+    _, speed, _ = TOPPRA(constraints, path, gridpoints=grid).compute_parameterization(0.0, 0.0)
+    if speed is None or not np.isfinite(speed).all():
         raise OptimisationError("TOPP-RA found no motion along the path within the limits")
-    motion = _through(fast, path, grid)
+    motion = _along(path, grid, speed)
     limits.check(motion)
     return motion
 
@@ -264,15 +263,21 @@ def _waypoints(waypoints: PerAxis, n_axes: int) -> np.ndarray:
     return points
 
 
-def _through(fast: Any, path: Any, grid: np.ndarray) -> PiecewisePolynomial:
-    """Return quintic pieces with the angles, rates and accelerations at the ends of intervals."""
-    times, speed = fast._ts, fast._velocities
-    length = np.diff(times)[:, None]
+def _along(path: Any, grid: np.ndarray, speed: np.ndarray) -> PiecewisePolynomial:
+    """Follow a path with given speeds at grid points, and constant accelerations between them.
+
+    Pieces are quintic, with the angles, rates and accelerations at the ends of intervals.
+    """
+    ds = np.diff(grid)
+    length = 2.0 * ds / (speed[:-1] + speed[1:])
+    acceleration = np.diff(speed**2) / (2.0 * ds)
+    h = length[:, None]
     at_ends = []
     for side in (slice(None, -1), slice(1, None)):
         s, rate = grid[side], speed[side, None]
-        bend = path(s, 2) * rate**2 + path(s, 1) * fast._us[:, None]
-        at_ends += [path(s), length * path(s, 1) * rate, length**2 * bend]
+        bend = path(s, 2) * rate**2 + path(s, 1) * acceleration[:, None]
+        at_ends += [path(s), h * path(s, 1) * rate, h**2 * bend]
+    times = np.append(0.0, np.cumsum(length))
     return PiecewisePolynomial(times, np.einsum("pe,ena->npa", _HERMITE, at_ends))
 
 

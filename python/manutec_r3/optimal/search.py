@@ -14,7 +14,7 @@ import numpy as np
 
 from ..errors import OptimisationError
 from .pieces import Pieces, Points
-from .problem import Solution, Task, solve
+from .problem import Guess, Solution, Task, solve
 
 # Radau's points leave out the beginning of a piece.
 _BEGINNING = np.array([0.0])
@@ -71,8 +71,8 @@ def optimum(task: Task, n_pieces: int, starts: int, limit_tolerance: float) -> F
     pieces = Pieces(np.linspace(0.0, 1.0, n_pieces + 1))
     limit_points = Points.on_all(pieces.n, _BEGINNING)
     solved = [
-        solve(task, pieces, limit_points, guess, _duration(task))
-        for guess in _guesses(task, pieces, starts)
+        solve(task, pieces, limit_points, Guess(unknowns, _duration(task)))
+        for unknowns in _guesses(task, pieces, starts)
     ]
     objectives = tuple(s.objective if s.succeeded else np.inf for s in solved)
     best = solved[int(np.argmin(objectives))]
@@ -84,11 +84,12 @@ def optimum(task: Task, n_pieces: int, starts: int, limit_tolerance: float) -> F
             total = [sum(getattr(s, name) for s in solved) for name in ("iterations", "seconds")]
             return Found(best, objectives, len(solved), *total)
         limit_points = limit_points.and_also(_worst(excess, limit_tolerance))
-        pieces, guess = best.pieces, best.unknowns
+        pieces, guess = best.pieces, Guess(best.unknowns, best.duration, True, best.multipliers)
         if may_cut:
             jumps = excess.max(axis=1) > _JUMP
-            pieces, guess, limit_points = _cut(pieces, guess, limit_points, jumps)
-        best = solve(task, pieces, limit_points, guess, best.duration)
+            pieces, unknowns, limit_points = _cut(pieces, best.unknowns, limit_points, jumps)
+            guess = Guess(unknowns, best.duration, True)  # other pieces have other constraints
+        best = solve(task, pieces, limit_points, guess)
         solved.append(best)
     raise OptimisationError(
         f"limits are exceeded by {excess.max():.2g} of them between the points at which they hold, "
