@@ -297,7 +297,7 @@ def test_a_curve_has_free_durations_and_ascending_weights(changes, error, messag
 def test_without_casadi_it_says_what_to_install(monkeypatch):
     import sys
 
-    for module in [m for m in sys.modules if m.startswith("manutec_r3.optimal.")]:
+    for module in [m for m in sys.modules if m.startswith("manutec_r3.planning.optimal.")]:
         if module.rsplit(".", 1)[1] in ("search", "problem", "dynamics"):
             monkeypatch.delitem(sys.modules, module)
     monkeypatch.setitem(sys.modules, "casadi", None)

@@ -5,7 +5,7 @@ import pytest
 
 import manutec_r3 as r3
 from manutec_r3 import _core
-from manutec_r3.optimal.dynamics import inverse_dynamics
+from manutec_r3.planning.optimal.dynamics import inverse_dynamics
 
 LOAD = r3.Load(15.0, (0.1, 0.0, 0.2))
 ROBOTS = {

@@ -79,7 +79,7 @@ def test_figure9_is_the_published_experiment_on_an_optimal_motion():
 
 
 def test_the_command_computes_the_motion_of_figure9_anew():
-    from manutec_r3.optimal import figure9
+    from manutec_r3.planning import figure9
 
     stored = r3.Scenario.load("figure9").motion
     anew = figure9.motion()

@@ -31,6 +31,24 @@ def result(request):
     return RUNS[request.param].simulate()
 
 
+def test_while_it_slides_friction_is_that_of_the_table(result):
+    table = result.robot.sliding_friction(result.rotor_rate)
+    slides = result.branches["friction"] != 0
+    assert slides.any()
+    # Roundoff of 1 N m. Where a rotor just stops or reverses its rate is 0, of any sign.
+    moves = slides & (np.abs(result.rotor_rate) > 1e-9)
+    np.testing.assert_allclose(result.friction_torque[moves], table[moves], rtol=0, atol=1e-14)
+    np.testing.assert_array_equal(result.robot.sliding_friction(0.0 * result.rotor_rate), 0.0)
+
+
+def test_friction_of_the_table_goes_on_beyond_its_last_point():
+    """Axis 1: from 0.40 N m at rate 0 to 0.53 N m at 160 rad/s (Table 2)."""
+    both_ways = r3.Robot(3).sliding_friction([[320.0] + [0.0] * 5, [-320.0] + [0.0] * 5])
+    np.testing.assert_allclose(both_ways[:, 0], [0.66, -0.66], rtol=0, atol=1e-15)
+    with pytest.raises(ValueError, match=r"rotor_rate: expected 6 values \[rad/s\]"):
+        r3.Robot(3).sliding_friction([1.0, 2.0])
+
+
 def switches(result):
     """Events of friction, each with the recorded instants before and after it."""
     for event in result.events:

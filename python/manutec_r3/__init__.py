@@ -40,8 +40,14 @@ from .motion import (
     Spline,
     Trapezoid,
 )
-from .optimal import OptimalMotion, ParetoMotions, optimal_motion, pareto_motions
-from .paths import fastest_along, jerk_limited_motion
+from .planning import (
+    OptimalMotion,
+    ParetoMotions,
+    fastest_along,
+    jerk_limited_motion,
+    optimal_motion,
+    pareto_motions,
+)
 from .result import Result, Samples, Statistics
 from .robot import Load, Robot
 from .scenario import Scenario, scenarios

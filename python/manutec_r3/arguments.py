@@ -66,6 +66,47 @@ def per_axis(name: str, value: Any, unit: str, n_axes: int) -> np.ndarray:
     return array
 
 
+def positive_per_axis(name: str, value: Any, unit: str, n_axes: int) -> np.ndarray:
+    """Return positive numbers (n_axes,) from one for all axes, or one for each."""
+    if np.ndim(value) == 0:
+        return np.full(n_axes, positive(name, value, unit))
+    values = per_axis(name, value, unit, n_axes)
+    if values.ndim != 1:
+        raise ValueError(
+            f"{name}: expected one number [{unit}] or {n_axes} of them, got shape {values.shape}"
+        )
+    for axis in np.flatnonzero(values <= 0.0):
+        raise ValueError(
+            f"{name} of axis {axis + 1}: expected more than 0 {unit}, got {values[axis]:g} {unit}"
+        )
+    return values
+
+
+def positive(name: str, value: Any, unit: str) -> float:
+    """Return a positive number."""
+    checked = number(name, value, unit)
+    if checked <= 0.0:
+        raise ValueError(f"{name}: expected more than 0 [{unit}], got {checked:g}")
+    return checked
+
+
+def count(name: str, value: Any, least: int) -> int:
+    """Return a whole number that is not too small."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        raise TypeError(f"{name}: expected a whole number, got {value!r}")
+    if value < least:
+        raise ValueError(f"{name}: expected {least} or more, got {value}")
+    return int(value)
+
+
+def angles(name: str, value: Any, n_axes: int) -> np.ndarray:
+    """Return joint angles (n_axes,) [rad]."""
+    one_each = per_axis(name, value, "rad", n_axes)
+    if one_each.ndim != 1:
+        raise ValueError(f"{name}: expected {n_axes} angles [rad], got shape {one_each.shape}")
+    return one_each
+
+
 def hint(name: object, known: Iterable[str]) -> str:
     """Suggest what may have been meant, or all that is known."""
     return near(name, known) or f", known are {', '.join(known)}"

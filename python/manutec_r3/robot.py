@@ -523,6 +523,34 @@ class Robot:
         arm_6 = self.link_poses(q)[..., 6, :, :]
         return arm_6[..., :3, :3] @ np.array(self.load.position) + arm_6[..., :3, 3]
 
+    # --- the gears alone --------------------------------------------------------------------------
+
+    def sliding_friction(self, rotor_rate: PerAxis) -> np.ndarray:
+        """Friction of the gears while they slide (NL3, spec section 5.1, Table 2).
+
+        Also of a robot with ideal gears: what those of Table 2 would take.
+
+        Parameters
+        ----------
+        rotor_rate : array_like (..., n_axes)
+            Motor side [rad/s].
+
+        Returns
+        -------
+        ndarray (..., n_axes)
+            Torques against the rate, motor side [N m]; none at rate zero, where friction is what it
+            takes to stick.
+        """
+        rate = per_axis("rotor_rate", rotor_rate, "rad/s", self.n_axes)
+        torque = np.empty_like(rate)
+        for axis, points in enumerate(self.parameters["table_2"]["friction"][: self.n_axes]):
+            rates, levels = np.transpose(points)
+            size = np.abs(rate[..., axis])
+            last_slope = (levels[-1] - levels[-2]) / (rates[-1] - rates[-2])
+            beyond = np.maximum(size - rates[-1], 0.0)
+            torque[..., axis] = np.interp(size, rates, levels) + last_slope * beyond
+        return np.sign(rate) * torque
+
     def _per_pose(self, function: Any, **arguments: tuple[PerAxis, str]) -> np.ndarray:
         arrays = [
             per_axis(name, value, unit, self.n_axes) for name, (value, unit) in arguments.items()

@@ -114,8 +114,7 @@ def _characteristic(result: "Result", axis: int, largest: float) -> tuple[np.nda
     table = result.robot.parameters["table_2"]
     rates, torques = np.array(table["friction"][axis - 1]).T
     end = _BEYOND * largest if largest > 0.0 else rates[-1]
-    slope = (torques[-1] - torques[-2]) / (rates[-1] - rates[-2])
-    last = np.interp(end, rates, torques) + slope * max(end - rates[-1], 0.0)
+    last = result.robot.sliding_friction(np.full(result.robot.n_axes, end))[axis - 1]
     inside = rates < end
     corner_rates = np.concatenate(([0.0], rates[inside], [end]))
     corner_torques = np.concatenate(([table["rM_h"][axis - 1]], torques[inside], [last]))

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..optimal import ParetoMotions
+    from ..planning import ParetoMotions
 
 _SHOWN = 3  # motions beside the curve: the fastest, one between, the slowest
 _INTERVAL = 0.1  # between poses [s]: the same for all, so that the fast motion shows few
@@ -53,7 +53,7 @@ def pareto(motions: "ParetoMotions", axes: "np.ndarray | Figure | None" = None) 
     ImportError
         If Matplotlib is not installed.
     """
-    from ..optimal import ParetoMotions  # which draws itself by this function
+    from ..planning import ParetoMotions  # which draws itself by this function
 
     if not isinstance(motions, ParetoMotions):
         raise TypeError(f"motions: expected what `pareto_motions` returns, got {motions!r}")

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import OptimisationError
+from ...errors import OptimisationError
 from .pieces import Pieces, Points
 from .problem import Guess, Solution, Task, solve
 

@@ -26,8 +26,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from ...robot import Robot
 from ..motor_limits import gear_ratios
-from ..robot import Robot
 from .dynamics import inverse_dynamics
 from .pieces import RADAU_POINTS, RADAU_WEIGHTS, Pieces, Points
 

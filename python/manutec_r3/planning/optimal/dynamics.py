@@ -9,8 +9,8 @@ from typing import Any
 
 import casadi as ca
 
-from .. import _core
-from ..robot import Robot
+from ... import _core
+from ...robot import Robot
 
 _OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {
     "add": lambda a, b: a + b,

@@ -5,23 +5,14 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
-from ..arguments import Floats, number
-from ..errors import OptimisationError
-from ..files.missing import missing
-from ..inputs import Input
-from ..motion import PiecewisePolynomial
-from ..motor_limits import (
-    angles,
-    check_motors_are_known,
-    count,
-    gear_ratios,
-    positive,
-    positive_per_axis,
-    rate_limits,
-    torque_limits,
-)
-from ..robot import Robot
-from ..simulation import simulate
+from ...arguments import Floats, angles, count, number, positive, positive_per_axis
+from ...errors import OptimisationError
+from ...files.missing import missing
+from ...inputs import Input
+from ...motion import PiecewisePolynomial
+from ...robot import Robot
+from ...simulation import simulate
+from ..motor_limits import check_motors_are_known, gear_ratios, rate_limits, torque_limits
 
 if TYPE_CHECKING:
     from .problem import Solution, Task

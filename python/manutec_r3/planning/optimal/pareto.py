@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import Floats, floats
-from ..robot import Robot
+from ...arguments import Floats, floats
+from ...robot import Robot
 from .motion import OptimalMotion, optimal_motion
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ class ParetoMotions(Sequence):
         ImportError
             If Matplotlib is not installed.
         """
-        from .. import plot
+        from ... import plot
 
         return plot.pareto(self, axes=axes)
 

@@ -8,20 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from .arguments import Floats, PerAxis, per_axis
-from .errors import OptimisationError
-from .files.missing import missing
-from .motion import PiecewisePolynomial
-from .motor_limits import (
-    angles,
-    check_motors_are_known,
-    count,
-    gear_ratios,
-    positive_per_axis,
-    rate_limits,
-    torque_limits,
-)
-from .robot import Robot
+from ..arguments import Floats, PerAxis, angles, count, per_axis, positive_per_axis
+from ..errors import OptimisationError
+from ..files.missing import missing
+from ..motion import PiecewisePolynomial
+from ..robot import Robot
+from .motor_limits import check_motors_are_known, gear_ratios, rate_limits, torque_limits
 
 # By how much of it a limit may be exceeded. TOPP-RA keeps limits at its grid points; between them,
 # with constant acceleration along the path, they were exceeded by up to 0.07 % on 50 intervals.
@@ -215,25 +207,10 @@ class _Limits:
         return self.robot.inverse_dynamics(q, qd, qdd) / self._gear_ratio
 
     def friction_at(self, qd: np.ndarray) -> np.ndarray:
-        """Return what friction adds at joint rates (..., n_axes), as large as they have its sign.
-
-        The characteristic NL3 of Table 2 (specification section 5.1), its last segment extended.
-        """
-        rotor_rate = self._gear_ratio * qd
-        torque = np.zeros_like(rotor_rate)
+        """Return what friction takes at joint rates (..., n_axes), motor side [N m]."""
         if not self.friction:
-            return torque
-        for axis, points in enumerate(
-            self.robot.parameters["table_2"]["friction"][: len(self.rate)]
-        ):
-            rate, level = np.transpose(points)
-            size = np.abs(rotor_rate[..., axis])
-            beyond = (
-                (level[-1] - level[-2]) / (rate[-1] - rate[-2]) * np.maximum(size - rate[-1], 0)
-            )
-            sliding = np.sign(rotor_rate[..., axis])
-            torque[..., axis] = sliding * (np.interp(size, rate, level) + beyond)
-        return torque
+            return np.zeros_like(qd)
+        return self.robot.sliding_friction(self._gear_ratio * qd)
 
     def check(self, motion: PiecewisePolynomial) -> None:
         """Refuse a motion that is beyond a limit."""

@@ -1,4 +1,4 @@
-"""The motion of the benchmark experiment, computed anew: ``python -m manutec_r3.optimal.figure9``.
+"""The motion of the benchmark experiment, computed anew: ``python -m manutec_r3.planning.figure9``.
 
 The report's own was never published (specification section 9): from the vertical position to a
 point near the ground, a compromise between least time and least effort under limits on motor
@@ -21,7 +21,7 @@ ranges of the report's Figure 9.
 import numpy as np
 
 from ..robot import Load, Robot
-from .motion import OptimalMotion, optimal_motion
+from .optimal import OptimalMotion, optimal_motion
 
 _LOAD = Load(15.0)
 _END = (1.0, 0.92, 0.8)  # [rad]
@@ -47,7 +47,7 @@ position = {position} # m, in the frame of arm 6
 # From the stretched vertical position to a point near the ground: a compromise between least time
 # and least effort by the rules of the report, whose own motion was never published. Motor torques
 # keep 2 N m, rotor rates 3 % of their limits in reserve for friction and control; axes 4 to 6 rest.
-# Computed by: python -m manutec_r3.optimal.figure9
+# Computed by: python -m manutec_r3.planning.figure9
 [motion]
 type = "piecewise-polynomial"
 times = {times} # s
