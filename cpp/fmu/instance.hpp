@@ -133,7 +133,6 @@ class Instance {
 
   void start();
   void build();
-  std::vector<double> start_state() const;
   void begin_simulation(const std::vector<double>& x);
   void synchronise();
   void refresh();

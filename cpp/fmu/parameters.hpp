@@ -17,8 +17,8 @@ struct Parameter {
   std::vector<double*> places;  // in the load and the tables that it was asked of
 };
 
-// Of a model with n_columns axes in its tables. Friction characteristics have as many points as the
-// tables say.
+// All numbers of a model: places are in this load and these tables. Friction characteristics have
+// as many points as the tables say.
 std::vector<Parameter> parameters_of(robot::Model model, arm::Load& load, robot::Tables& tables);
 
 }  // namespace manutec_r3::fmu

@@ -81,6 +81,29 @@ TEST(AnExactZeroAtTheEndOfAStepIsFoundOnce) {
   CHECK_EQUAL(system.calls[0].fired.size(), 1u);
 }
 
+TEST(WhoWantsToHandleAnEventHimselfIsStoppedBeforeIt) {
+  Scripted* self = nullptr;
+  Scripted system(1, 1, clock, [&](double, const double* x, double* z) {
+    z[0] = self->branch(0) == 0 ? 0.5 - x[0] : x[0] - 0.5;
+  });
+  self = &system;
+  system.decide = [](Scripted& self, double*, const Scripted::Call&, std::vector<Change>& log) {
+    self.change(0, 1, log);
+  };
+  Run run(system, {0.0});
+  const auto go_on = [&run] {
+    run.simulation.advance(1.0, Simulation::Stop::before_event, Simulation::Target::included);
+    return run.simulation.time();
+  };
+  CHECK_NEAR(go_on(), 0.5, 8.0 * ulp(0.5));
+  CHECK(run.simulation.events().empty());
+  CHECK_EQUAL(system.branch(0), 0);
+  // The next call handles it first, and goes on.
+  CHECK_EQUAL(go_on(), 1.0);
+  CHECK_EQUAL(run.simulation.events().size(), 1u);
+  CHECK_EQUAL(system.branch(0), 1);
+}
+
 TEST(ADoubleCrossingInsideAStepIsFound) {
   // z = (x - 1)^2 - depth: out of the domain and back at 1 -+ sqrt(depth). Steps of a clock grow as
   // they like: one leads from near 0 to the time event at 5.

@@ -18,7 +18,7 @@ import numpy as np
 from ... import _core
 from ...build_info import build_info
 from ...scenario import Scenario
-from ...simulation import set_up
+from ...simulation import Setup, set_up
 from .model_description import (
     MODEL_IDENTIFIER,
     Model,
@@ -89,7 +89,8 @@ def export_fmu(
         if value not in expected:
             raise ValueError(f"{name}: expected one of {', '.join(expected)}, got {value!r}")
 
-    recipe = _recipe(scenario, reference == "input")
+    setup = set_up(**scenario._arguments)
+    recipe = _recipe(scenario, setup, reference == "input")
     resources = recipe.text
     release = build_info().version
     # Who instantiates it names the token: it stands for this very content.
@@ -101,7 +102,7 @@ def export_fmu(
         token=token,
         version=release,
         stop_time=scenario.t_end,
-        tolerance=_tolerance(scenario),
+        tolerance=setup.rtol,
         variables=tuple(Variable(*variable) for variable in recipe.variables),
     )
     binary, place = _binary(fmi)
@@ -133,13 +134,8 @@ def export_fmu(
             archive.writestr(info, content)
 
 
-def _tolerance(scenario: Scenario) -> float:
-    return set_up(**scenario._arguments).rtol
-
-
-def _recipe(scenario: Scenario, reference_is_input: bool) -> _core.FmuRecipe:
+def _recipe(scenario: Scenario, setup: Setup, reference_is_input: bool) -> _core.FmuRecipe:
     """Return what the core makes an FMU of."""
-    setup = set_up(**scenario._arguments)
     robot, motion = scenario.robot, scenario.motion
     if setup.inputs.of_axes is not None or setup.inputs.tip_force is not None:
         raise ValueError("inputs: expected values that are held, got a function of time")
