@@ -464,7 +464,7 @@ def with_mistakes(random):
 
 # Chosen by one number each: choices by hypothesis itself would take ten times as long.
 @given(seed=st.integers(0, 2**64))
-@settings(max_examples=10_000, deadline=None)
+@settings(max_examples=3_000, deadline=None)
 def test_a_file_with_any_mistake_ends_in_a_clear_error_or_is_a_scenario(tmp_path_factory, seed):
     path = tmp_path_factory.getbasetemp() / "any.toml"
     path.write_text(tomli_w.dumps(with_mistakes(Random(seed))), encoding="utf-8")
