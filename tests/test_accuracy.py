@@ -183,7 +183,7 @@ def test_recorded_times_change_nothing(method):
     assert recorded == set(times) | set(plain.events.time)
 
 
-@pytest.mark.parametrize("method", ["erk", "bdf"])
+@pytest.mark.parametrize("method", ["exponential", "erk", "bdf"])
 def test_steps_of_the_user_change_nothing(method):
     run = RUNS["3-quintic"]
     plain = run.simulate(method=method)

@@ -294,7 +294,7 @@ def changed(path, **entries):
 @pytest.mark.parametrize(
     ("entries", "message"),
     [
-        ({"layout": 7}, "expected a run that was recorded in layout 1, got 7"),
+        ({"layout": 7}, "expected a run that was recorded in layout 2, got 7"),
         ({"layout": None}, "expected what Result.save writes, 'layout' is missing"),
         ({"joint_angle": None}, "expected what Result.save writes, 'joint_angle' is missing"),
         ({"step_end": np.zeros(3)}, "steps and modes: expected arrays that fit each other"),

@@ -112,9 +112,11 @@ def test_a_push_needs_more_than_the_nominal_torque_for_a_moment(method):
     )
     for excess in result.limits:
         mean = root_mean_square(result, excess.axis)
-        # The mean changes by more than 20 N m/s there: 5e-14 s, roundoff.
+        # The mean changes by more than 20 N m/s there: 5e-14 s, roundoff. Inside steps of "erk"
+        # polynomials and steps take turns, which are equal within the tolerance: 2e-12 N m.
+        off = 2e-11 if method == "erk" else 1e-12
         for edge in (excess.begin, excess.end):
-            assert mean(edge) == pytest.approx(NOMINAL_TORQUE, rel=0, abs=1e-12)
+            assert mean(edge) == pytest.approx(NOMINAL_TORQUE, rel=0, abs=off)
         top = maximum(mean, excess.begin, excess.end)
         assert excess.peak == pytest.approx(-top.fun, rel=1e-12)
 

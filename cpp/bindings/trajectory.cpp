@@ -51,13 +51,21 @@ auto row(const Table& table, py::ssize_t k) {
   return std::vector(begin, begin + table.shape(1));
 }
 
+// One number of each step (n_steps,).
+Array of_steps(const Trajectory& trajectory, double hybrid::Step::* number) {
+  Array numbers(std::ssize(trajectory.steps));
+  std::ranges::transform(trajectory.steps, numbers.mutable_data(), number);
+  return numbers;
+}
+
 // All of it as arrays, for who keeps it: begin, end, mode of each step (n_steps,), its dense output
 // (n_steps, size); branches and held values of each mode (n_modes, ...).
 py::tuple parts(const Trajectory& trajectory) {
-  const auto& [begin, end, mode, dense, modes] = trajectory;
+  const auto& [steps, mode, modes] = trajectory;
   return py::make_tuple(
-      as_array(begin), as_array(end), Counts(std::ssize(mode), mode.data()),
-      as_table(dense.size(), [&](std::size_t k) -> const auto& { return dense[k]; }),
+      of_steps(trajectory, &hybrid::Step::t0), of_steps(trajectory, &hybrid::Step::t1),
+      Counts(std::ssize(mode), mode.data()),
+      as_table(steps.size(), [&](std::size_t k) -> const auto& { return steps[k].dense; }),
       as_table(modes.size(), [&](std::size_t k) -> const auto& { return modes[k].branches; }),
       as_table(modes.size(), [&](std::size_t k) -> const auto& { return modes[k].held; }));
 }
@@ -71,8 +79,6 @@ Trajectory from_parts(const Array& begin, const Array& end, const Counts& mode, 
                    branches.shape(0) == held.shape(0);
   if (!fit) throw std::invalid_argument("steps and modes: expected arrays that fit each other");
   Trajectory trajectory;
-  trajectory.begin = as_vector(begin);
-  trajectory.end = as_vector(end);
   trajectory.mode = {mode.data(), mode.data() + n_steps};
   const auto n_modes = static_cast<int>(held.shape(0));
   for (const int of_step : trajectory.mode) {
@@ -81,7 +87,9 @@ Trajectory from_parts(const Array& begin, const Array& end, const Counts& mode, 
                                   std::to_string(n_modes) + ", got " + std::to_string(of_step));
     }
   }
-  for (py::ssize_t k = 0; k < n_steps; ++k) trajectory.dense.push_back(row(dense, k));
+  for (py::ssize_t k = 0; k < n_steps; ++k) {
+    trajectory.steps.push_back({begin.at(k), end.at(k), row(dense, k)});
+  }
   for (int k = 0; k < n_modes; ++k) trajectory.modes.push_back({row(branches, k), row(held, k)});
   return trajectory;
 }
@@ -92,10 +100,10 @@ Instants as_instants(const Trajectory& trajectory, const Array& t, const Indices
 
 // States (n, n_states) and branches (n_elements, n, n_axes) at instants t[k] inside steps step[k].
 py::tuple solution_at(std::shared_ptr<const robot::Robot> robot, const robot::Inputs& inputs,
-                      solver::Method method, const Trajectory& trajectory, const Array& t,
-                      const Indices& step) {
+                      solver::Method method, double rtol, const Trajectory& trajectory,
+                      const Array& t, const Indices& step) {
   const auto system = robot::make_system(std::move(robot), inputs);
-  const auto inside = solver::make_dense_output(method, *system);
+  const auto inside = solver::make_dense_output(method, *system, rtol);
   const py::ssize_t n = t.size();
   Array states({n, py::ssize_t{system->n_states()}});
   py::array_t<std::int8_t> branches(
@@ -175,8 +183,8 @@ void evaluate(robot::RobotSystem& system, hybrid::DenseOutput& inside, const Ins
   at_each(
       system, instants, [&] { inside.mode_changed(); },
       [&](std::size_t k) {
-        const hybrid::Step now = instants.trajectory.step(instants.steps[k]);
-        inside.evaluate(now, instants.times[k], states + k * system.n_states());
+        inside.interpolate(instants.trajectory.stretch(instants.steps[k]), instants.times[k],
+                           states + k * system.n_states());
         for (std::size_t i = 0; i < n_axes; ++i) {
           for (int kind = 0; kind < robot::n_axis_elements; ++kind) {
             branches[(kind * n + k) * n_axes + i] = static_cast<std::int8_t>(
@@ -226,8 +234,10 @@ void register_trajectory(py::module_& module) {
   module.attr("axis_elements") = py::tuple(names);
 
   py::class_<Trajectory, std::shared_ptr<Trajectory>>(module, "Trajectory")
-      .def_property_readonly("begin", [](const Trajectory& t) { return as_array(t.begin); })
-      .def_property_readonly("end", [](const Trajectory& t) { return as_array(t.end); })
+      .def_property_readonly("begin",
+                             [](const Trajectory& t) { return of_steps(t, &hybrid::Step::t0); })
+      .def_property_readonly("end",
+                             [](const Trajectory& t) { return of_steps(t, &hybrid::Step::t1); })
       .def("steps_at", &steps_at)
       .def("until", &Trajectory::until)
       .def("instants", &instants_of)

@@ -13,7 +13,7 @@
 namespace manutec_r3::fmu {
 namespace {
 
-constexpr std::string_view signature = "manutec_r3 FMU state 2\n";
+constexpr std::string_view signature = "manutec_r3 FMU state 3\n";
 
 // FNV-1a: http://www.isthe.com/chongo/tech/comp/fnv
 std::uint64_t checksum(std::span<const unsigned char> bytes) {
@@ -140,14 +140,22 @@ void visit(Archive& archive, Mode& mode) {
   archive(mode.held);
 }
 
+template <class Archive, class Step>
+  requires std::is_same_v<std::remove_const_t<Step>, hybrid::Step>
+void visit(Archive& archive, Step& step) {
+  archive(step.t0);
+  archive(step.t1);
+  archive(step.dense);
+}
+
 template <class Archive, class Snapshot>
   requires std::is_same_v<std::remove_const_t<Snapshot>, hybrid::Simulation::Snapshot>
 void visit(Archive& archive, Snapshot& snapshot) {
   auto& front = snapshot.front;
   archive(front.time);
-  archive(front.step.t0);
-  archive(front.step.t1);
-  archive(front.step.dense);
+  visit(archive, front.step);
+  for (auto& step : front.before) visit(archive, step);
+  archive(front.n_before);
   archive(front.x);
   archive(front.look.t);
   archive(front.look.z);

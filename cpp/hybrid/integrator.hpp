@@ -2,6 +2,8 @@
 // a step. The integrators themselves live in solver/.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <vector>
 
 namespace manutec_r3::hybrid {
@@ -11,9 +13,23 @@ struct Step {
   double t0 = 0.0;
   double t1 = 0.0;
   std::vector<double> dense;  // of one length for all steps of an integrator
+
+  bool operator==(const Step&) const = default;
 };
 
-// The solution inside a step: it depends on the step and on the system's mode, on nothing else.
+// A step and those before it, the latest first, that follow each other without an event between.
+struct Stretch {
+  static constexpr std::size_t longest = 4;
+
+  std::array<const Step*, longest> steps{};
+  std::size_t size = 0;
+
+  const Step& latest() const { return *steps[0]; }
+  bool is_full() const { return size == longest; }
+  void append(const Step& step) { steps[size++] = &step; }
+};
+
+// The solution inside a step: it depends on the steps and on the system's mode, on nothing else.
 class DenseOutput {
  public:
   virtual ~DenseOutput() = default;
@@ -23,6 +39,11 @@ class DenseOutput {
 
   // x (n_states) at t, t0 <= t <= t1, as accurate as at the step's end.
   virtual void evaluate(const Step& step, double t, double* x) = 0;
+
+  // The same inside the latest of some steps: to within the tolerance, for less if the others help.
+  virtual void interpolate(const Stretch& stretch, double t, double* x) {
+    evaluate(stretch.latest(), t, x);
+  }
 };
 
 struct Work {
@@ -44,6 +65,9 @@ class Integrator : public DenseOutput {
   // step and the state at its end. Throws SimulationFailure, with the solver's own message, and
   // whatever the system throws.
   virtual void advance(double stop, Step& step, double* x1) = 0;
+
+  // The latest step turns out to end at t already, in x.
+  virtual void cut(Step& step, double t, const double* /*x*/) { step.t1 = t; }
 
   // Instants inside the latest step, in order, at which it knows the solution for nothing. Gives
   // the instant and the indicators there; and, at a closer look, their rates.

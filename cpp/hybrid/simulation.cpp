@@ -44,7 +44,7 @@ Simulation::Simulation(System& system, Integrator& integrator, double t, std::ve
       scratch_x_(system.n_states()),
       scratch_z_(system.n_indicators()),
       scratch_derivatives_(system.n_states()) {
-  now_.time = now_.step.t0 = now_.step.t1 = t;
+  now_.time = t;
   now_.x = std::move(x);
   system_.initialise(t, now_.x.data());
   restart(0.0);
@@ -81,7 +81,7 @@ void Simulation::change_input(const std::function<void()>& set) {
       now_.fired.clear();
       now_.time_event = false;
     }
-    now_.step.t0 = now_.step.t1 = now_.time;
+    now_.begin_step(now_.time);
     set();
     handle_event(true);
   } catch (...) {
@@ -96,7 +96,7 @@ void Simulation::change_input(const std::function<void()>& set) {
 std::vector<double> Simulation::state() {
   if (now_.time == now_.step.t1) return now_.x;
   std::vector<double> x(now_.x.size());
-  integrator_.evaluate(now_.step, now_.time, x.data());
+  integrator_.interpolate(now_.stretch(), now_.time, x.data());
   return x;
 }
 
@@ -123,12 +123,29 @@ void Simulation::restore(const Snapshot& snapshot) {
   }
   now_ = snapshot.front;
   system_.set_mode(snapshot.mode);
-  if (trajectory_) {
-    trajectory_->cut(now_.step.t0);
-    if (now_.step.t1 > now_.step.t0) trajectory_->append(now_.step, snapshot.mode);
-  }
+  if (trajectory_) trajectory_->cut(now_.step.t0);
+  record_step();
   integrator_.restart(now_.step.t1, now_.x.data(), snapshot.next_size);
   integrator_.remember(now_.step);
+}
+
+Stretch Simulation::Front::stretch() const {
+  Stretch stretch;
+  stretch.append(step);
+  for (std::size_t k = 0; k < n_before; ++k) stretch.append(before[k]);
+  return stretch;
+}
+
+void Simulation::Front::continue_step() {
+  if (step.t1 == step.t0) return;
+  std::ranges::rotate(before, before.end() - 1);
+  std::swap(before.front(), step);
+  n_before = std::min(n_before + 1, before.size());
+}
+
+void Simulation::Front::begin_step(double t) {
+  step.t0 = step.t1 = t;
+  n_before = 0;
 }
 
 // --- one step -----------------------------------------------------------------------------------
@@ -137,6 +154,7 @@ void Simulation::advance_front() {
   const double stop = system_.next_time_event(now_.step.t1);
   x0_ = now_.x;
   looks_[0] = now_.look;
+  now_.continue_step();
   try {
     integrator_.advance(stop, now_.step, now_.x.data());
     if (!std::ranges::all_of(now_.x, [](double value) { return std::isfinite(value); })) {
@@ -148,14 +166,21 @@ void Simulation::advance_front() {
     // Back to the beginning of the step, where all was well: the run can be continued.
     now_.x = x0_;
     now_.look = looks_[0];
-    now_.step.t0 = now_.step.t1 = now_.time;
+    now_.begin_step(now_.time);
     now_.event = false;
     integrator_.restart(now_.time, now_.x.data(), integrator_.next_size());
     // A run that cannot even begin leaves its beginning behind.
-    if (trajectory_ && trajectory_->n_steps() == 0) trajectory_->append(now_.step, system_.mode());
+    if (trajectory_ && trajectory_->n_steps() == 0) {
+      trajectory_->append(now_.step, system_.mode(), false);
+    }
     throw;
   }
-  if (trajectory_ && now_.step.t1 > now_.step.t0) trajectory_->append(now_.step, system_.mode());
+  record_step();
+}
+
+void Simulation::record_step() {
+  if (!trajectory_ || now_.step.t1 == now_.step.t0) return;
+  trajectory_->append(now_.step, system_.mode(), now_.n_before > 0);
 }
 
 void Simulation::prepare(Look& look) const {
@@ -267,8 +292,8 @@ void Simulation::search_step(double stop) {
   if (first < t1 && !now_.time_event) {
     integrator_.evaluate(now_.step, first, scratch_x_.data());
     now_.x = scratch_x_;
-    now_.step.t1 = first;
     measure(first, now_.x, now_.look);
+    integrator_.cut(now_.step, first, now_.x.data());
   }
   fold_in_simultaneous(looks_[k > 0 ? k - 1 : 0]);
 }
@@ -419,7 +444,7 @@ void Simulation::handle_event(bool input_changed) {
 
 void Simulation::restart(double size) {
   integrator_.restart(now_.time, now_.x.data(), size);
-  now_.step.t0 = now_.step.t1 = now_.time;
+  now_.begin_step(now_.time);
   now_.event = false;
   measure(now_.time, now_.x, now_.look);
 }

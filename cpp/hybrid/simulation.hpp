@@ -24,6 +24,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -93,13 +95,20 @@ class Simulation {
 
   // How far the integration has come; it may be ahead of the time.
   struct Front {
-    double time = 0.0;        // of the simulation
-    Step step;                // the last step, cut off at an event
-    std::vector<double> x;    // state at its end
-    Look look;                // indicators there
-    bool event = false;       // something happens at its end:
-    bool time_event = false;  // an announced instant,
-    std::vector<int> fired;   // indicators
+    Stretch stretch() const;
+    // The next step continues the present one, or begins anew.
+    void continue_step();
+    void begin_step(double t);
+
+    double time = 0.0;                              // of the simulation
+    Step step;                                      // the last step, cut off at an event
+    std::array<Step, Stretch::longest - 1> before;  // steps that it continues, the latest first,
+    std::size_t n_before = 0;                       // so many
+    std::vector<double> x;                          // state at its end
+    Look look;                                      // indicators there
+    bool event = false;                             // something happens at its end:
+    bool time_event = false;                        // an announced instant,
+    std::vector<int> fired;                         // indicators
     ChatteringGuard guard;
   };
 
@@ -115,6 +124,7 @@ class Simulation {
 
  private:
   void advance_front();
+  void record_step();
   void search_step(double stop);
   void look_at_step();
   bool stays_far_from_zero();

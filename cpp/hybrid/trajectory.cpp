@@ -6,41 +6,46 @@
 
 namespace manutec_r3::hybrid {
 
-Step Trajectory::step(std::size_t index) const { return {begin[index], end[index], dense[index]}; }
+Stretch Trajectory::stretch(std::size_t index) const {
+  Stretch stretch;
+  for (std::size_t i = index + 1; i > 0 && mode[i - 1] == mode[index] && !stretch.is_full(); --i) {
+    stretch.append(steps[i - 1]);
+  }
+  return stretch;
+}
 
-void Trajectory::append(const Step& step, const Mode& present) {
-  if (modes.empty() || modes.back() != present) modes.push_back(present);
-  begin.push_back(step.t0);
-  end.push_back(step.t1);
-  mode.push_back(static_cast<int>(modes.size()) - 1);
-  dense.push_back(step.dense);
+void Trajectory::append(const Step& step, const Mode& present, bool continues) {
+  if (continues && !steps.empty()) {
+    mode.push_back(mode.back());
+  } else {
+    mode.push_back(static_cast<int>(modes.size()));
+    modes.push_back(present);
+  }
+  steps.push_back(step);
 }
 
 void Trajectory::cut(double t) {
-  if (end.empty() || end.back() <= t) return;
-  while (!begin.empty() && begin.back() >= t) {
-    begin.pop_back();
-    end.pop_back();
+  while (!steps.empty() && steps.back().t1 > t && steps.back().t0 >= t) {
+    steps.pop_back();
     mode.pop_back();
-    dense.pop_back();
   }
-  if (!end.empty()) end.back() = std::min(end.back(), t);
+  if (!steps.empty()) steps.back().t1 = std::min(end(), t);
 }
 
 Trajectory Trajectory::until(double t) const {
   Trajectory before = *this;
   before.cut(t);
   if (before.n_steps() == 0 && n_steps() > 0) {
-    Step instant = step(0);
+    Step instant = steps[0];
     instant.t1 = instant.t0;
-    before.append(instant, modes[mode[0]]);
+    before.append(instant, modes[mode[0]], false);
   }
   return before;
 }
 
 std::size_t Trajectory::step_at(double t) const {
-  const auto later = std::upper_bound(begin.begin(), begin.end(), t);
-  return later == begin.begin() ? 0 : static_cast<std::size_t>(later - begin.begin()) - 1;
+  const auto later = std::ranges::upper_bound(steps, t, {}, &Step::t0);
+  return later == steps.begin() ? 0 : static_cast<std::size_t>(later - steps.begin()) - 1;
 }
 
 Trajectory::Instants Trajectory::instants(std::span<const double> event_times,
@@ -49,15 +54,18 @@ Trajectory::Instants Trajectory::instants(std::span<const double> event_times,
   // Before an event comes the end of a step, after it the beginning of the next. (What is found in
   // a finished run may be an event inside a step.)
   for (const double t : event_times) {
-    found.emplace_back(t, std::ranges::lower_bound(end, t) - end.begin());
+    found.emplace_back(t, std::ranges::lower_bound(steps, t, {}, &Step::t1) - steps.begin());
   }
-  std::vector<double> after = times ? std::vector(times->begin(), times->end()) : begin;
-  const bool ends_with_step = end.back() > begin.back();
-  if (!times && ends_with_step && !std::ranges::binary_search(event_times, end.back())) {
-    after.push_back(end.back());
+  std::vector<double> after;
+  if (times) {
+    after.assign(times->begin(), times->end());
+  } else {
+    std::ranges::transform(steps, std::back_inserter(after), &Step::t0);
+    const bool ends_with_step = end() > steps.back().t0;
+    if (ends_with_step && !std::ranges::binary_search(event_times, end())) after.push_back(end());
   }
   std::ranges::copy_if(event_times, std::back_inserter(after),
-                       [this](double t) { return t < end.back(); });
+                       [this](double t) { return t < end(); });
   std::ranges::sort(after);
   const auto doubles = std::ranges::unique(after);
   after.erase(doubles.begin(), doubles.end());

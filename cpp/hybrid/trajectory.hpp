@@ -12,17 +12,19 @@
 namespace manutec_r3::hybrid {
 
 struct Trajectory {
-  // Step i covers [begin[i], end[i]) in mode modes[mode[i]]; the next begins where it ends. At an
-  // event both sides are there: the end of one step, the beginning of the next.
-  std::vector<double> begin, end;
+  // Step i covers [t0, t1) in mode modes[mode[i]]; the next begins where it ends. At an event both
+  // sides are there: the end of one step, the beginning of the next, which counts as another mode.
+  std::vector<Step> steps;
   std::vector<int> mode;
-  std::vector<std::vector<double>> dense;  // of each step; apart, lest they be moved as they grow
   std::vector<Mode> modes;
 
-  std::size_t n_steps() const { return begin.size(); }
-  Step step(std::size_t index) const;
+  std::size_t n_steps() const { return steps.size(); }
+  double end() const { return steps.back().t1; }
+  // A step and those that it continues.
+  Stretch stretch(std::size_t index) const;
 
-  void append(const Step& step, const Mode& mode);
+  // Whether the step `continues` the one before, or there has been an event.
+  void append(const Step& step, const Mode& mode, bool continues);
   // Forgets what lies beyond t.
   void cut(double t);
   // What lies before t, and t itself: at least the first instant.

@@ -213,21 +213,25 @@ class LinearDrives {
     block.n_forcing = 1;
     block.n_remainder = carried ? 2 : 1;
 
-    // Derivatives are linear but for what they are at zero: one evaluation gives one column.
+    // Derivatives are linear but for what they are at zero: those at plus and at minus one give one
+    // column. It is the same, to the last bit, on branches in the mirror.
     const int n = static_cast<int>(block.states.size());
-    std::vector<double> x = zero_, dx = zero_, at_zero = zero_;
+    std::vector<double> x = zero_, plus = zero_, minus = zero_;
     const PerAxis<N> none = PerAxis<N>::Zero();
-    drive_rates(x.data(), none, none, at_zero.data());
-    const auto difference = [&] {
+    const auto half_difference = [&] {
       Eigen::VectorXd column(n);
-      for (int k = 0; k < n; ++k) column[k] = dx[block.states[k]] - at_zero[block.states[k]];
+      for (int k = 0; k < n; ++k) {
+        column[k] = 0.5 * (plus[block.states[k]] - minus[block.states[k]]);
+      }
       return column;
     };
     block.L.resize(n, n);
     for (int k = 0; k < n; ++k) {
       x[block.states[k]] = 1.0;
-      drive_rates(x.data(), none, none, dx.data());
-      block.L.col(k) = difference();
+      drive_rates(x.data(), none, none, plus.data());
+      x[block.states[k]] = -1.0;
+      drive_rates(x.data(), none, none, minus.data());
+      block.L.col(k) = half_difference();
       x[block.states[k]] = 0.0;
     }
     block.B.setZero(n, block.n_constants + block.n_forcing + block.n_remainder);
@@ -235,9 +239,10 @@ class LinearDrives {
     for (const int state : with_constants) block.B(place(state), column++) = 1.0;
     PerAxis<N> unit = none;
     unit[axis] = 1.0;
-    drive_rates(x.data(), n_electrical_ > 0 ? unit : none, n_electrical_ > 0 ? none : unit,
-                dx.data());
-    block.B.col(column++) = difference();
+    const PerAxis<N> command = n_electrical_ > 0 ? unit : none, torque = unit - command;
+    drive_rates(x.data(), command, torque, plus.data());
+    drive_rates(x.data(), -command, -torque, minus.data());
+    block.B.col(column++) = half_difference();
     if (!holds(axis)) block.B(place(N + axis), column) = 1.0;
     ++column;
     if (carried && !equations_.sticking[axis]) {

@@ -24,7 +24,7 @@ constexpr int most_rejections = 100;
 }  // namespace
 
 ExplicitRungeKutta::ExplicitRungeKutta(hybrid::System& system, double relative_tolerance)
-    : f_(system), inside_(f_), x_(system.n_states(), context_) {
+    : f_(system), inside_(f_, relative_tolerance), x_(system.n_states(), context_) {
   arkode_ = ERKStepCreate(&RightHandSide::call, 0.0, x_, context_);
   if (arkode_ == nullptr) throw hybrid::SimulationFailure(context_.message());
   Vector absolute(system.n_states(), context_);
@@ -62,11 +62,11 @@ void ExplicitRungeKutta::restart(double t, const double* x, double size) {
 
 void ExplicitRungeKutta::advance(double stop, hybrid::Step& step, double* x1) {
   const int n = f_.system().n_states();
-  step.t0 = t_;
-  step.dense.assign(x_.data(), x_.data() + n);
+  inside_.begin(step, t_, x_.data());
   if (stop - t_ < shortest_size) {
     inside_.evaluate(step, stop, x1);
-    step.t1 = t_ = stop;
+    inside_.end(step, stop, x1);
+    t_ = stop;
     std::copy_n(x1, n, x_.data());
     reset_ = true;
     ++short_steps_;
@@ -98,8 +98,12 @@ void ExplicitRungeKutta::advance(double stop, hybrid::Step& step, double* x1) {
   } else {
     next_size_ = size;
   }
-  step.t1 = t_;
   std::copy_n(x_.data(), n, x1);
+  inside_.end(step, t_, x1);
+}
+
+void ExplicitRungeKutta::cut(hybrid::Step& step, double t, const double* x) {
+  inside_.end(step, t, x);
 }
 
 void ExplicitRungeKutta::derivatives(double t, const double* x, double* derivatives) {
@@ -108,6 +112,10 @@ void ExplicitRungeKutta::derivatives(double t, const double* x, double* derivati
 
 void ExplicitRungeKutta::evaluate(const hybrid::Step& step, double t, double* x) {
   inside_.evaluate(step, t, x);
+}
+
+void ExplicitRungeKutta::interpolate(const hybrid::Stretch& stretch, double t, double* x) {
+  inside_.interpolate(stretch, t, x);
 }
 
 hybrid::Work ExplicitRungeKutta::work() const {

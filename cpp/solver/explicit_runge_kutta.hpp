@@ -18,7 +18,9 @@ class ExplicitRungeKutta final : public hybrid::Integrator {
   void advance(double stop, hybrid::Step& step, double* x1) override;
   double next_size() const override { return next_size_; }
   void derivatives(double t, const double* x, double* derivatives) override;
+  void cut(hybrid::Step& step, double t, const double* x) override;
   void evaluate(const hybrid::Step& step, double t, double* x) override;
+  void interpolate(const hybrid::Stretch& stretch, double t, double* x) override;
   hybrid::Work work() const override;
 
  private:

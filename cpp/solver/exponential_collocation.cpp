@@ -17,14 +17,18 @@ constexpr int first_rung = 3;
 // Sweeps end when what they may still change is less than this part of the tolerance.
 constexpr double settled_enough = 0.5;
 constexpr int most_sweeps = 12;
-// By how much a first sweep is believed to be worse than a second; after it it is known.
-constexpr double first_contraction = 0.05;
+// What a sweep leaves of the changes that the one before has made is about the part that the
+// interval is of this [s]; after two sweeps it is known.
+constexpr double no_contraction = 8e-3;
 // Intervals twice as long make the error so many times as large.
 constexpr double per_doubling = 32.0;
-// An error that half as long a step would not mend.
-constexpr double hopeless = per_doubling;
-// Some of the tolerance is left as a reserve.
-constexpr double allows_twice_as_long = 0.35 / per_doubling;
+// An error that half as long a step would not mend: it does not fall as much as it grows.
+constexpr double twice_too_long = 10.0;
+// An error after the first sweep that others would not mend.
+constexpr double hopeless = 2.0;
+// Some of the tolerance is left as a reserve, and for what sweeps have left.
+constexpr double acceptable = 0.75;
+constexpr double allows_twice_as_long = 0.35 * acceptable / per_doubling;
 // Inputs that changed by less than this part of the tolerance in the step before are predicted not
 // to change: their polynomials are roundoff, which extrapolation would let grow from step to step.
 constexpr double negligible = 0.01;
@@ -113,7 +117,7 @@ void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1
       use_rung(rung);
     }
     const double error = attempt();
-    if (error <= 1.0) {
+    if (error <= acceptable) {
       if (rung == rung_ && error < allows_twice_as_long) rung_ = std::max(rung_ - 1, 0);
       break;
     }
@@ -122,7 +126,7 @@ void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1
       rung_ = first_rung;
       throw hybrid::SimulationFailure("steps have become too short to advance the time");
     }
-    rung_ = rung = std::min(rung + (error > hopeless ? 2 : 1), Propagator::lowest_rung);
+    rung_ = rung = std::min(rung + (error > twice_too_long ? 2 : 1), Propagator::lowest_rung);
   }
   ++work_.steps;
 
@@ -169,10 +173,13 @@ double ExponentialCollocation::attempt() {
     find_states();
     const double change = sweep();
     if (!std::isfinite(change)) break;
-    // Far too long a step shows it at once.
-    if (sweeps == 0 && interpolation_error() > hopeless) return interpolation_error();
+    // Too long a step shows it at once.
+    if (sweeps == 0) {
+      const double error = interpolation_error();
+      if (error > hopeless) return error;
+    }
     const double contraction =
-        sweeps == 0 ? first_contraction : std::min(0.5, change / change_before);
+        sweeps == 0 ? interval_ / no_contraction : std::min(0.5, change / change_before);
     change_before = change;
     if (change * contraction < settled_enough) {
       find_states();  // that belong to the latest remainders

@@ -11,9 +11,13 @@ namespace {
 // A Runge-Kutta step that brings its own right-hand side along.
 class RungeKuttaOutput final : public hybrid::DenseOutput {
  public:
-  explicit RungeKuttaOutput(hybrid::System& system) : f_(system), inside_(f_) {}
+  RungeKuttaOutput(hybrid::System& system, double relative_tolerance)
+      : f_(system), inside_(f_, relative_tolerance) {}
   void evaluate(const hybrid::Step& step, double t, double* x) override {
     inside_.evaluate(step, t, x);
+  }
+  void interpolate(const hybrid::Stretch& stretch, double t, double* x) override {
+    inside_.interpolate(stretch, t, x);
   }
 
  private:
@@ -62,10 +66,11 @@ std::unique_ptr<hybrid::Integrator> make_integrator(Method method, hybrid::Syste
   }
 }
 
-std::unique_ptr<hybrid::DenseOutput> make_dense_output(Method method, hybrid::System& system) {
+std::unique_ptr<hybrid::DenseOutput> make_dense_output(Method method, hybrid::System& system,
+                                                       double relative_tolerance) {
   switch (method) {
     case Method::erk:
-      return std::make_unique<RungeKuttaOutput>(system);
+      return std::make_unique<RungeKuttaOutput>(system, relative_tolerance);
     case Method::bdf:
       return std::make_unique<BackwardDifferencesStep>(system.n_states());
     default:

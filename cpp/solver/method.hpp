@@ -22,6 +22,7 @@ std::unique_ptr<hybrid::Integrator> make_integrator(Method method, hybrid::Syste
                                                     double relative_tolerance);
 
 // The dense output of a method without its integrator, for steps that were taken earlier.
-std::unique_ptr<hybrid::DenseOutput> make_dense_output(Method method, hybrid::System& system);
+std::unique_ptr<hybrid::DenseOutput> make_dense_output(Method method, hybrid::System& system,
+                                                       double relative_tolerance);
 
 }  // namespace manutec_r3::solver

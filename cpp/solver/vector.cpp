@@ -16,15 +16,6 @@ using View = Eigen::Map<const Block<n>>;
 // Stages of a step and its beginning, or a history of BDF: more than either has.
 constexpr int most_terms = 16;
 
-// Calls work<n>(first) for n numbers at a time. States come in groups of six.
-template <class Work>
-void in_blocks(int size, const Work& work) {
-  int first = 0;
-  for (; first + 12 <= size; first += 12) work.template operator()<12>(first);
-  for (; first + 6 <= size; first += 6) work.template operator()<6>(first);
-  for (; first < size; ++first) work.template operator()<1>(first);
-}
-
 // --- operations of an N_Vector ------------------------------------------------------------------
 
 SUNErrCode linear_combination(int n, double* factors, N_Vector* x, N_Vector z) {

@@ -21,6 +21,15 @@ struct Term {
   const double* x;
 };
 
+// Calls work<n>(first) for n numbers at a time. States come in groups of six.
+template <class Work>
+void in_blocks(int size, const Work& work) {
+  int first = 0;
+  for (; first + 12 <= size; first += 12) work.template operator()<12>(first);
+  for (; first + 6 <= size; first += 6) work.template operator()<6>(first);
+  for (; first < size; ++first) work.template operator()<1>(first);
+}
+
 // z (size) = sum of all terms, of which there is at least one; z may be the vector of one of them.
 void combine(std::span<const Term> terms, int size, double* z);
 

@@ -268,6 +268,7 @@ def evaluate(
     robot: Robot,
     inputs: Inputs,
     method: Method,
+    rtol: float,
     trajectory: Trajectory,
     t: _Floats,
     step: NDArray[int64],

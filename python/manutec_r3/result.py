@@ -133,6 +133,7 @@ class Samples(Signals):
             run.inputs.robot._compiled,
             run.inputs._compiled,
             _core.Method[run.experiment.setup.method],
+            run.experiment.setup.rtol,
             run.trajectory,
             self.time,
             self._step,

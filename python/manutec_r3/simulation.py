@@ -120,7 +120,7 @@ def simulate(
 
     Notes
     -----
-    A result keeps every step, about a kilobyte each and two thousand of them per second of robot;
+    A result keeps every step, 1.6 kilobytes each and two thousand of them per second of robot;
     a `Simulator` keeps none.
 
     Examples

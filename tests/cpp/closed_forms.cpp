@@ -54,7 +54,7 @@ TEST(AStickingRateIsExactlyZeroFromTheEventOn) {
     if (mode.branches[0] != 0) continue;
     ++sticking;
     system.set_mode(mode);
-    const hybrid::Step step = run.trajectory.step(i);
+    const hybrid::Step step = run.trajectory.steps[i];
     for (const double part : {0.0, 0.3, 0.7, 1.0}) {
       run.integrator->evaluate(step, step.t0 + part * (step.t1 - step.t0), x.data());
       CHECK_EQUAL(x[1], 0.0);

@@ -329,7 +329,7 @@ TEST(WhereAUserLooksDoesNotChangeTheSteps) {
   straight.to(3.0);
   for (int k = 1; k <= 777; ++k) looks.to(3.0 * k / 777);
   CHECK(looks.simulation.state() == straight.simulation.state());
-  CHECK(looks.trajectory.end == straight.trajectory.end);
+  CHECK(looks.trajectory.steps == straight.trajectory.steps);
 }
 
 TEST(ASystemWithoutLinearBlocksIsRefused) {

@@ -266,7 +266,8 @@ TEST(TheStateAtAnEventIsAsAccurateAsAnIntegrationStep) {
     CHECK(call.x[0] >= 0.3);
     CHECK_NEAR(call.x[0], 0.3, 2.0 * ulp(0.3));  // the event is located to roundoff all the same
     // The step ends where it happens.
-    CHECK(std::ranges::find(run.trajectory.end, call.time) != run.trajectory.end.end());
+    CHECK(std::ranges::find(run.trajectory.steps, call.time, &hybrid::Step::t1) !=
+          run.trajectory.steps.end());
   }
 }
 
@@ -398,7 +399,7 @@ TEST(ATimeEventIsMetExactlyAndNoStepPassesIt) {
         CHECK(system.calls[k].time_event);
       }
       for (std::size_t i = 0; i < run.trajectory.n_steps(); ++i) {
-        CHECK(system.next_time_event(run.trajectory.begin[i]) >= run.trajectory.end[i]);
+        CHECK(system.next_time_event(run.trajectory.steps[i].t0) >= run.trajectory.steps[i].t1);
       }
       // An error of about the tolerance per step, and BDF begins anew with order one 300 times.
       CHECK_NEAR(run.simulation.state()[0], std::sin(t - begin), 1e-4);

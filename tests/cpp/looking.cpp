@@ -70,9 +70,7 @@ TEST(WhereAUserLooksDoesNotChangeStepsOrEvents) {
     looks.to(Oscillators::t_end);
 
     check_same(straight.simulation.events(), looks.simulation.events());
-    CHECK(straight.trajectory.begin == looks.trajectory.begin);
-    CHECK(straight.trajectory.end == looks.trajectory.end);
-    CHECK(straight.trajectory.dense == looks.trajectory.dense);
+    CHECK(straight.trajectory.steps == looks.trajectory.steps);
     CHECK(straight.simulation.state() == looks.simulation.state());
   }
 }
@@ -85,7 +83,7 @@ TEST(ARunIsTheSameEveryTime) {
     one.to(Oscillators::t_end);
     two.to(Oscillators::t_end);
     check_same(one.simulation.events(), two.simulation.events());
-    CHECK(one.trajectory.dense == two.trajectory.dense);
+    CHECK(one.trajectory.steps == two.trajectory.steps);
   }
 }
 
@@ -147,9 +145,7 @@ TEST(AfterAReturnTheRecordIsThatOfOneRun) {
   const hybrid::Trajectory straight = run.trajectory;
   run.simulation.restore(snapshot);
   run.to(7.0);
-  CHECK(run.trajectory.begin == straight.begin);
-  CHECK(run.trajectory.end == straight.end);
-  CHECK(run.trajectory.dense == straight.dense);
+  CHECK(run.trajectory.steps == straight.steps);
 }
 
 TEST(StatisticsAddUpOverRestarts) {
@@ -193,8 +189,8 @@ TEST(ARestartKeepsTheStepSize) {
   const hybrid::Trajectory& trajectory = run.trajectory;
   const std::size_t after = trajectory.step_at(run.simulation.events().at(0).time);
   // The size planned before the event, unless the error is too large with it, once.
-  const double size = trajectory.end[after] - trajectory.begin[after];
-  const double before = trajectory.end[after - 2] - trajectory.begin[after - 2];
+  const double size = trajectory.steps[after].t1 - trajectory.steps[after].t0;
+  const double before = trajectory.steps[after - 2].t1 - trajectory.steps[after - 2].t0;
   CHECK(size > 0.2 * before);
 }
 

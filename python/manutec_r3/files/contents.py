@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ..result import Result, Samples
 
 # Another one when the dense output of a method, or what a mode holds, is laid out otherwise.
-LAYOUT = 1
+LAYOUT = 2
 
 _STEPS = ("step_begin", "step_end", "step_mode", "step_dense", "mode_branches", "mode_held")
 _DIMENSIONS = {
