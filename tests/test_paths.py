@@ -42,9 +42,33 @@ def test_one_motor_is_always_at_a_limit_and_none_beyond(along):
     t = inside(along)
     used = np.hstack((motor_torque(ROBOT, along, t) / limits[0], along.rate(t) / limits[1]))
     largest = np.abs(used).max(axis=1)
-    assert largest.max() < 1.001  # measured 1.0000002
+    assert largest.max() < 1.0005  # between points of the grid; measured 1.00004
     # Fastest: at each instant something is at its limit, but for intervals where that changes.
     assert np.mean(largest > 0.99) > 0.95
+
+
+@pytest.mark.parametrize("apart", [0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1.1e-6])
+def test_waypoints_may_be_close(along, apart):
+    """There the path bends sharply: grids have all waypoints, where third derivatives jump."""
+    between = WAYPOINTS[1] + [0.0, 0.0, apart]
+    motion = r3.fastest_along(ROBOT, np.insert(WAYPOINTS, 2, between, axis=0))
+    at_waypoints = [np.abs(motion.angle(motion.knots) - w).max(axis=1).min() for w in WAYPOINTS]
+    assert max(at_waypoints) < 1e-12
+
+
+def test_six_axes_go_along_a_path_and_with_limited_jerk():
+    robot, end = r3.Robot(1, load=r3.Load(15.0)), [1.0, 1.0, 0.6, -0.2, -0.15, -0.1]
+    along = r3.fastest_along(robot, [[0.0] * 6, end], friction=True)
+    smooth = r3.jerk_limited_motion(robot, [0.0] * 6, end, 4.0, 50.0, friction=True)
+    for motion in (along, smooth):
+        np.testing.assert_allclose(motion.angle(motion.duration), end, rtol=0, atol=1e-12)
+    assert along.duration < smooth.duration
+
+
+def test_angles_beyond_their_limits_are_refused():
+    """A spline overshoots its waypoints."""
+    with pytest.raises(r3.OptimisationError, match=r"angle of axis 2: expected at most 2\.01 rad"):
+        r3.fastest_along(ROBOT, [[0, 1.0, 0], [0, 2.01, 0], [0.4, 2.01, 0], [0.8, 1.0, 0]])
 
 
 def test_a_finer_grid_finds_nearly_the_same_time(along):
@@ -112,7 +136,7 @@ def test_torques_beyond_the_limits_are_refused():
     [
         ({"robot": r3.Robot("one-axis")}, ValueError, "robot: expected model 1, 2, 3 or 4"),
         ({"waypoints": [[0.0] * 3]}, ValueError, r"waypoints: expected shape \(n, 3\)"),
-        ({"waypoints": [[0.0] * 3] * 2}, ValueError, "waypoints: expected each to differ"),
+        ({"waypoints": [[0.0] * 3] * 2}, ValueError, "waypoints: expected each at least 1e-06 rad"),
         ({"torque_limit": -1.0}, ValueError, "torque_limit: expected more than 0"),
         ({"torque_limit": 0.5, "friction": True}, r3.OptimisationError, "friction of axis 1"),
         ({"torque_limit": 2.0}, r3.OptimisationError, "TOPP-RA found no motion along the path"),
@@ -130,7 +154,7 @@ def test_a_mistake_is_refused_at_the_door(arguments, error, message):
     ("arguments", "error", "message"),
     [
         ({"start": [0.0, 0.0]}, ValueError, r"start: expected 3 values \[rad\]"),
-        ({"end": [0.0] * 3}, ValueError, "end: expected an end that Ruckig can go to"),
+        ({"end": [0.0] * 3}, ValueError, "end: expected other angles than at the start"),
         ({"jerk_limit": 0.0}, ValueError, "jerk_limit: expected more than 0"),
     ],
 )

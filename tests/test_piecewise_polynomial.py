@@ -105,6 +105,9 @@ def test_a_file_holds_it_without_loss(tmp_path):
         ([0.0, np.inf], [UP], ValueError, r"times\[1\]: expected a finite time after 0 s"),
         ([0.0, 1.0], [[[0.0, 1.0]]], ValueError, "expected 1, 3 or 6 angles"),
         ([0.0, 1.0], [[[0.0]] * 7], ValueError, r"1 to 6 powers, x\^0 to x\^5, got 7"),
+        ([0.0, 1.0], np.zeros((1, 0, 3)), ValueError, r"got shape \(1, 0, 3\)"),
+        ([0.0, 1.0], [[[1e308]] * 6], ValueError, r"coefficients\[0\] of axis 1: expected finite"),
+        ([0.0, 5e-324], [[[0.0], [1.0]]], ValueError, r"coefficients\[0\] of axis 1: expected fin"),
         (
             [0.0, 1.0],
             [[[0.0] * 3, [0.0, 0.0, np.nan]]],

@@ -368,7 +368,7 @@ Motion polynomials(std::span<const double> times, std::span<const double> coeffi
   for (std::size_t k = 0; k + 1 < times.size(); ++k) {
     Polynomials law{times[k], times[k + 1] - times[k]};
     const std::string piece = entry("coefficients", k);
-    std::vector<double> begin(n_axes), end_of_piece(n_axes);
+    std::vector<double> begin(n_axes), end_of_piece(n_axes), magnitude(n_axes);
     for (std::size_t power = 0; power < n_powers; ++power) {
       for (std::size_t i = 0; i < n_axes; ++i) {
         const double value = coefficients[(k * n_powers + power) * n_axes + i];
@@ -379,6 +379,14 @@ Motion polynomials(std::span<const double> times, std::span<const double> coeffi
         law.coefficients[power][i] = value;
         if (power == 0) begin[i] = value;
         end_of_piece[i] += value;
+        magnitude[i] += std::abs(value);
+      }
+    }
+    for (std::size_t i = 0; i < n_axes; ++i) {
+      // No angle, rate or acceleration is larger: the second derivative of x^5 is at most 20.
+      const double bound = magnitude[i] + 20.0 * magnitude[i] / (law.length * law.length);
+      if (!std::isfinite(bound)) {
+        refuse(of_axis(piece, i), "finite angles [rad], rates and accelerations", bound);
       }
     }
     if (k == 0) {

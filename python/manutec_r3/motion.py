@@ -322,7 +322,7 @@ class PiecewisePolynomial(Motion):
             coefficients,
             "numbers [rad], for each piece and power a row of axes",
         )
-        if array.ndim != 3 or len(array) != len(instants) - 1:
+        if array.ndim != 3 or len(array) != len(instants) - 1 or array.size == 0:
             raise ValueError(
                 f"coefficients: expected shape ({len(instants) - 1}, n_powers, n_axes) [rad], for "
                 f"each piece between two times and each power a row of axes, got shape "

@@ -30,7 +30,7 @@ _TORQUE_RESERVE = 2.0  # [N m], motor side
 _RATE_RESERVE = 0.03  # of the limits
 _N_PIECES = 2
 
-# Of the file: roundoff is left out, and the motion moved by less than 1e-11 rad.
+# Of the file; the last ones differ from machine to machine, as IPOPT stops within its tolerance.
 _DECIMALS = 12
 
 _FILE = """\

@@ -15,10 +15,16 @@ from ..motion import PiecewisePolynomial
 from ..robot import Robot
 from .motor_limits import check_motors_are_known, gear_ratios, rate_limits, torque_limits
 
-# By how much of it a limit may be exceeded. TOPP-RA keeps limits at its grid points; between them,
-# with constant acceleration along the path, they were exceeded by up to 0.07 % on 50 intervals.
+# By how much of it a limit may be exceeded. TOPP-RA keeps limits at its grid points, and between
+# them, with constant acceleration along the path, nearly.
 _EXCESS = 0.01
-_SAMPLES_OF_PIECE = 11
+_SAMPLES_OF_PIECE = 11  # of a grid's short pieces, on which accelerations change hardly
+# Between two waypoints, but not shorter than this part of the path: TOPP-RA rounds to 1e-8.
+_LEAST_INTERVALS, _SHORTEST_INTERVAL = 50, 1e-4
+_SHORTEST_CHORD = 1e-6  # [rad]
+# Between rest and the rate limit: tables have corners.
+_STEPS_OF_FRICTION = 201
+_SHORTEST_PIECE = 1e-12  # [s]: what rounding makes of two instants that are one
 
 # Of x^0 to x^5: the quintic with given angles, slopes and bends at x = 0 and x = 1.
 _HERMITE = np.linalg.inv(
@@ -53,16 +59,17 @@ def fastest_along(
     robot : Robot
         Model 1 to 4.
     waypoints : array_like (n, n_axes)
-        Joint angles [rad], two or more.
+        Joint angles [rad], two or more, each at least 1e-6 rad from the one before.
     torque_limit : float or sequence of n_axes floats, optional
         Of the motors, motor side [N m]; default: ``rF_max`` of Table 1.
     rate_limit : float or sequence of n_axes floats, optional
         Joint side [rad/s]; default: ``rotor_rate_max`` of Table 1 over the gear ratio.
     friction : bool
-        Whether the motors are to overcome the friction of Table 2 as well. As much as it is at the
-        rate limit, its largest, is left of their torque for it.
+        Whether the motors are to overcome the friction of Table 2 as well. As much as it takes at
+        most up to the rate limit is left of their torque for it.
     n_grid : int
-        Number of intervals, and of pieces of the motion.
+        Number of intervals, and of pieces of the motion; a few more if that takes for waypoints to
+        lie between two.
 
     Returns
     -------
@@ -73,8 +80,8 @@ def fastest_along(
     ValueError, TypeError
         What was wrong (argument, axis, unit), what was expected, what arrived.
     OptimisationError
-        If no motion along the path is within the limits, or a limit is exceeded by more than 1 %
-        between grid points.
+        If no motion along the path is within the limits, or a limit, that of joint angles included,
+        is exceeded by more than 1 % between grid points.
     ImportError
         If TOPP-RA is not installed.
 
@@ -92,11 +99,14 @@ def fastest_along(
     limits = _Limits(robot, torque_limit, rate_limit, friction)
     points = _waypoints(waypoints, robot.n_axes)
     chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    if not chords.all():
-        raise ValueError("waypoints: expected each to differ from the one before [rad]")
+    if chords.min() < _SHORTEST_CHORD:
+        raise ValueError(
+            f"waypoints: expected each at least {_SHORTEST_CHORD:g} rad from the one before, got "
+            f"{chords.min():g} rad"
+        )
     path = toppra.SplineInterpolator(np.append(0.0, np.cumsum(chords)), points, bc_type="natural")
     # What friction may take is left to it in both directions, also where it helps to brake.
-    torque = limits.torque - np.abs(limits.friction_at(limits.rate))
+    torque = limits.torque - limits.largest_friction()
     for axis in np.flatnonzero(torque <= 0.0):
         raise OptimisationError(f"friction of axis {axis + 1} takes all of the motor torque")
     constraints = [
@@ -105,7 +115,7 @@ def fastest_along(
             limits.motor_torque, np.column_stack((-torque, torque)), np.zeros(robot.n_axes)
         ),
     ]
-    grid = np.linspace(0.0, path.path_interval[1], count("n_grid", n_grid, 2) + 1)
+    grid = _grid(chords, count("n_grid", n_grid, 2))
     _, speed, _ = TOPPRA(constraints, path, gridpoints=grid).compute_parameterization(0.0, 0.0)
     if speed is None or not np.isfinite(speed).all():
         raise OptimisationError("TOPP-RA found no motion along the path within the limits")
@@ -149,7 +159,7 @@ def jerk_limited_motion(
     ValueError, TypeError
         What was wrong (argument, axis, unit), what was expected, what arrived.
     OptimisationError
-        If a motor torque is beyond its limit by more than 1 %.
+        If a motor torque or joint angle is beyond its limit by more than 1 %, or Ruckig fails.
     ImportError
         If Ruckig is not installed.
 
@@ -175,10 +185,15 @@ def jerk_limited_motion(
         each = positive_per_axis(f"{name}_limit", limit, unit, n)
         setattr(task, f"max_{name}", each.tolist())
     fast = ruckig.Trajectory(n)
-    status = ruckig.Ruckig(n).calculate(task, fast)
-    if status != ruckig.Result.Working or fast.duration == 0.0:
-        raise ValueError(f"end: expected an end that Ruckig can go to, got {end!r}: {status.name}")
-    motion = _cubics(fast)
+    try:
+        found = ruckig.Ruckig(n).calculate(task, fast) == ruckig.Result.Working
+    except (ValueError, RuntimeError):  # a result without a name; numbers beyond its means
+        found = False
+    if not found:
+        raise OptimisationError(f"Ruckig found no motion from {start!r} to {end!r}")
+    if fast.duration == 0.0:
+        raise ValueError(f"end: expected other angles than at the start [rad], got {end!r}")
+    motion = _cubics(fast, np.array(task.target_position))
     limits.check(motion)
     return motion
 
@@ -199,6 +214,7 @@ class _Limits:
         self.robot = robot
         self.torque = torque_limits(robot, torque)
         self.rate = rate_limits(robot, rate)
+        self.angle = np.array(robot.parameters["table_3"]["joint_limits"][: robot.n_axes])
         self.friction = friction
         self._gear_ratio = gear_ratios(robot)
 
@@ -212,13 +228,19 @@ class _Limits:
             return np.zeros_like(qd)
         return self.robot.sliding_friction(self._gear_ratio * qd)
 
+    def largest_friction(self) -> np.ndarray:
+        """Return what friction takes at most up to the rate limits (n_axes,), motor side [N m]."""
+        steps = np.linspace(0.0, 1.0, _STEPS_OF_FRICTION)[:, None]
+        return np.abs(self.friction_at(self.rate * steps)).max(axis=0)
+
     def check(self, motion: PiecewisePolynomial) -> None:
         """Refuse a motion that is beyond a limit."""
         x = np.linspace(0.0, 1.0, _SAMPLES_OF_PIECE)[:-1]
         t = (motion.knots[:-1, None] + np.diff(motion.knots)[:, None] * x).ravel()
-        qd = motion.rate(t)
-        torque = self.motor_torque(motion.angle(t), qd, motion.acceleration(t))
+        q, qd = motion.angle(t), motion.rate(t)
+        torque = self.motor_torque(q, qd, motion.acceleration(t))
         for what, values, limit, unit in (
+            ("angle", q, self.angle, "rad"),
             ("motor torque", torque + self.friction_at(qd), self.torque, "N m"),
             ("joint rate", qd, self.rate, "rad/s"),
         ):
@@ -240,6 +262,18 @@ def _waypoints(waypoints: PerAxis, n_axes: int) -> np.ndarray:
     return points
 
 
+def _grid(chords: np.ndarray, n: int) -> np.ndarray:
+    """Return about n + 1 points along chords (n_chords,), their ends among them."""
+    ends = np.append(0.0, np.cumsum(chords))
+    least = np.clip(chords / (_SHORTEST_INTERVAL * ends[-1]), 1, _LEAST_INTERVALS)
+    shares = np.maximum(least, np.round(n * chords / ends[-1])).astype(int)
+    parts = [
+        np.linspace(a, b, share, endpoint=False)
+        for a, b, share in zip(ends[:-1], ends[1:], shares, strict=True)
+    ]
+    return np.append(np.concatenate(parts), ends[-1])
+
+
 def _along(path: Any, grid: np.ndarray, speed: np.ndarray) -> PiecewisePolynomial:
     """Follow a path with given speeds at grid points, and constant accelerations between them.
 
@@ -258,11 +292,11 @@ def _along(path: Any, grid: np.ndarray, speed: np.ndarray) -> PiecewisePolynomia
     return PiecewisePolynomial(times, np.einsum("pe,ena->npa", _HERMITE, at_ends))
 
 
-def _cubics(fast: Any) -> PiecewisePolynomial:
-    """Return cubic pieces between all instants at which a jerk changes."""
+def _cubics(fast: Any, end: np.ndarray) -> PiecewisePolynomial:
+    """Return cubic pieces between all instants at which a jerk changes; the last meets the end."""
     ends = [np.cumsum([0.0, *profile.t]) for profile in fast.profiles[0]]
     times = np.unique(np.concatenate(ends).clip(max=fast.duration))
-    times = times[np.append(True, np.diff(times) > 1e-12)]
+    times = times[np.append(True, np.diff(times) > _SHORTEST_PIECE)]
     middle = [fast.at_time(t) for t in (times[:-1] + times[1:]) / 2.0]
     angle, rate, acceleration = np.moveaxis(np.array(middle), 1, 0)
     h = np.diff(times)[:, None]
@@ -271,9 +305,9 @@ def _cubics(fast: Any) -> PiecewisePolynomial:
     a0 = acceleration - jerk * h / 2
     v0 = rate - acceleration * h / 2 + jerk * h**2 / 8
     q0 = angle - rate * h / 2 + acceleration * h**2 / 8 - jerk * h**3 / 48
-    return PiecewisePolynomial(
-        times, np.stack((q0, v0 * h, a0 * h**2 / 2, jerk * h**3 / 6), axis=1)
-    )
+    pieces = np.stack((q0, v0 * h, a0 * h**2 / 2, jerk * h**3 / 6), axis=1)
+    pieces[-1, 3] += end - pieces[-1].sum(axis=0)  # roundoff of Ruckig's
+    return PiecewisePolynomial(times, pieces)
 
 
 def _jerk(fast: Any, t: float) -> list[float]:

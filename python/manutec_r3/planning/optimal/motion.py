@@ -1,6 +1,8 @@
 """The optimal motion of an arm: its arguments, what is returned, and the checks that it passes."""
 
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 
 import numpy as np
@@ -24,7 +26,7 @@ _EFFORT_UNITS = {"torque": "N^2 m^2 s", "voltage": "V^2 s"}
 _LARGEST_END_ERROR = 1e-6
 # Of that run, which is to show the error of the motion, not its own.
 _RUN_TOLERANCE = 1e-10
-_SAMPLES_OF_PIECE = 41
+_LONGEST_RUN = 2.0  # [s]
 # Gauss's points on a piece, for the integral of the effort; exact for polynomials of degree 11.
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(6)
 
@@ -70,13 +72,12 @@ class OptimalMotion(PiecewisePolynomial):
         ``N^2 m^2 s`` or ``V^2 s``.
     torque_margins : ndarray (n_axes,)
         What the largest motor torque leaves of its limit [N m]; less than zero beyond it.
-    rate_margins : ndarray (n_axes,)
-        The same of the joint rates [rad/s].
+    rate_margins, angle_margins : ndarray (n_axes,)
+        The same of the joint rates [rad/s] and angles [rad].
     defects : ndarray (n_axes,)
         Largest differences between its accelerations and those that the core's equations of motion
-        give under the optimiser's torques [rad/s^2].
-    end_error : float
-        By how much the core, driven by the motor torques alone, misses the end [rad].
+        give under the optimiser's torques [rad/s^2]: roundoff, because torques follow from the
+        motion, at each point on any mesh. What a mesh is worth the margins tell, and `end_error`.
     statistics : SolverStatistics
         How it was found.
     """
@@ -86,13 +87,37 @@ class OptimalMotion(PiecewisePolynomial):
     effort_unit: str
     torque_margins: np.ndarray
     rate_margins: np.ndarray
+    angle_margins: np.ndarray
     defects: np.ndarray
-    end_error: float
     statistics: SolverStatistics
 
     def __init__(self, times: Floats, coefficients: np.ndarray, **facts: Any) -> None:
         super().__init__(times, coefficients)
+        for fact in facts.values():
+            if isinstance(fact, np.ndarray):
+                fact.setflags(write=False)
         self._freeze(**facts)
+
+    @cached_property
+    def end_error(self) -> float:
+        """By how much the core, driven by the motor torques alone, misses the end [rad].
+
+        An arm that stands upright falls: roundoff grows tenfold in half a second. A motion that
+        takes longer than 2 s is driven in parts about as long, each from the motion's own angles
+        and rates, and this is the largest miss at the end of one.
+        """
+        robot = self.robot
+        arm = Robot(
+            1 if robot.n_axes == 6 else 2,
+            load=robot.load,
+            controller=None,
+            rotor_coupling=robot.rotor_coupling,
+            arm=robot.arm,
+            table_1=robot.table_1,
+            table_3=robot.table_3,
+        )
+        ends = np.linspace(0.0, self.duration, 1 + max(1, round(self.duration / _LONGEST_RUN)))
+        return max(_miss(arm, self, begin, end) for begin, end in pairwise(ends.tolist()))
 
     def motor_torque(self, t: float | Floats) -> np.ndarray:
         """Motor torques that move the arm so, with ideal gears.
@@ -139,7 +164,8 @@ def optimal_motion(
     Parameters
     ----------
     robot : Robot
-        Model 1 to 4; gears, friction, controllers and motors are left out.
+        Model 1 to 4; gears, friction, controllers and motors are left out. Of models 3 and 4 rotors
+        1 to 3 are coupled in the simplified way, unless one says otherwise (`rotor_coupling`).
     start, end : sequence of n_axes floats
         Joint angles [rad].
     duration : float, optional
@@ -211,17 +237,18 @@ def optimal_motion(
         smooth,
     )
     tolerance = positive("limit_tolerance", limit_tolerance, "1")
+    if tolerance >= 1.0:
+        raise ValueError(f"limit_tolerance: expected a part of the limits, got {tolerance:g}")
     found = optimum(task, count("n_pieces", n_pieces, 2), count("starts", starts, 1), tolerance)
     solution = found.solution
     motion = OptimalMotion(
         solution.duration * solution.pieces.mesh,
         solution.pieces.coefficients(solution.unknowns),
         robot=robot,
-        effort=_effort(task, solution),
+        effort=solution.effort(task, 0.5 + 0.5 * _GAUSS_POINTS, 0.5 * _GAUSS_WEIGHTS),
         effort_unit=_EFFORT_UNITS[effort],
         **_margins(task, solution),
         defects=_defects(task, solution),
-        end_error=0.0,
         statistics=SolverStatistics(
             solution.status,
             found.n_solves,
@@ -231,13 +258,11 @@ def optimal_motion(
             found.objectives,
         ),
     )
-    error = _end_error(motion, task)
-    if error > _LARGEST_END_ERROR:
+    if motion.end_error > _LARGEST_END_ERROR:
         raise OptimisationError(
-            f"driven by the optimal torques the arm misses the end by {error:.2g} rad, expected at "
-            f"most {_LARGEST_END_ERROR:g} rad: try a larger n_pieces"
+            f"driven by the optimal torques the arm misses the end by {motion.end_error:.2g} rad, "
+            f"expected at most {_LARGEST_END_ERROR:g} rad: try a larger n_pieces"
         )
-    motion._freeze(end_error=error)
     return motion
 
 
@@ -261,7 +286,7 @@ def _task(
     from .problem import Task
 
     check_motors_are_known(robot)
-    if effort not in get_args(Effort):
+    if not isinstance(effort, str) or effort not in get_args(Effort):
         raise ValueError(f"effort: expected 'torque' or 'voltage', got {effort!r}")
     if torque_per_volt is not None and effort != "voltage":
         raise ValueError(
@@ -309,29 +334,17 @@ def _task(
 # --- what is found out about a motion, by the core ------------------------------------------------
 
 
-def _motor_torque(task: "Task", solution: "Solution", x: np.ndarray) -> np.ndarray:
-    """Motor torques (n_pieces, n, n_axes) [N m] at the same n places of all pieces."""
-    from .pieces import Points
-
-    torque = task.robot.inverse_dynamics(*solution.at(Points.on_all(solution.pieces.n, x)))
-    return (torque / task.gear_ratio).reshape(solution.pieces.n, len(x), -1)
-
-
-def _effort(task: "Task", solution: "Solution") -> float:
-    scaled = _motor_torque(task, solution, 0.5 + 0.5 * _GAUSS_POINTS) / task.effort_scale
-    of_pieces = (scaled**2).sum(axis=2) @ (0.5 * _GAUSS_WEIGHTS)
-    return float(solution.duration * solution.pieces.length @ of_pieces)
-
-
 def _margins(task: "Task", solution: "Solution") -> dict[str, np.ndarray]:
     from .pieces import Points
+    from .search import SAMPLES
 
-    x = np.linspace(0.0, 1.0, _SAMPLES_OF_PIECE)
-    torque = _motor_torque(task, solution, x)
-    _, rate, _ = solution.at(Points.on_all(solution.pieces.n, x))
+    points = Points.on_all(solution.pieces.n, SAMPLES)
+    q, qd, _ = solution.at(points)
+    torque = solution.motor_torque(task, points)
     return {
-        "torque_margins": task.torque_limit - np.abs(torque).max(axis=(0, 1)),
-        "rate_margins": task.rate_limit - np.abs(rate).max(axis=0),
+        "torque_margins": task.torque_limit - np.abs(torque).max(axis=0),
+        "rate_margins": task.rate_limit - np.abs(qd).max(axis=0),
+        "angle_margins": task.angle_limit - np.abs(q).max(axis=0),
     }
 
 
@@ -344,25 +357,16 @@ def _defects(task: "Task", solution: "Solution") -> np.ndarray:
     return np.abs(task.robot.forward_dynamics(q, qd, tau) - qdd).max(axis=0)
 
 
-def _end_error(motion: OptimalMotion, task: "Task") -> float:
-    """Return by how much the arm, driven by the motor torques alone, misses the end [rad]."""
-    robot = motion.robot
-    arm = Robot(
-        1 if robot.n_axes == 6 else 2,
-        load=robot.load,
-        controller=None,
-        rotor_coupling=robot.rotor_coupling,
-        arm=robot.arm,
-        table_1=robot.table_1,
-        table_3=robot.table_3,
-    )
+def _miss(arm: Robot, motion: OptimalMotion, begin: float, end: float) -> float:
+    """Return by how much an arm, driven by the motor torques for a while, misses it [rad]."""
+    knots = motion.knots[(motion.knots > begin) & (motion.knots < end)] - begin
     result = simulate(
         arm,
         None,
-        t_end=motion.duration,
-        start=arm.state_from(joint_angle=task.start),
-        motor_torque=Input(motion.motor_torque, knots=motion.knots[1:-1]),
+        t_end=end - begin,
+        start=arm.state_from(joint_angle=motion.angle(begin), joint_rate=motion.rate(begin)),
+        motor_torque=Input(lambda t: motion.motor_torque(begin + t), knots=knots),
         method="erk",
         rtol=_RUN_TOLERANCE,
     )
-    return float(np.abs(result.joint_angle[-1] - task.end).max())
+    return float(np.abs(result.joint_angle[-1] - motion.angle(end)).max())

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # From nearly the fastest motion to one that takes about twice as long as that, for loads and ways
-# like those of the report's experiment [s / (N^2 m^2 s)].
-_WEIGHTS = (1e-5, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2)
+# like those of the report's experiment, and torques as effort [s / (N^2 m^2 s)].
+_WEIGHTS = (1e-5, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1)
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,15 @@ class ParetoMotions(Sequence):
     effort_weights: tuple[float, ...]
     motions: tuple[OptimalMotion, ...]
 
+    def __post_init__(self) -> None:
+        if not self.motions or not all(isinstance(m, OptimalMotion) for m in self.motions):
+            raise TypeError(f"motions: expected one OptimalMotion or more, got {self.motions!r}")
+        if len(self.effort_weights) != len(self.motions):
+            raise ValueError(
+                f"effort_weights: expected one for each of {len(self.motions)} motions, got "
+                f"{len(self.effort_weights)}"
+            )
+
     def __len__(self) -> int:
         return len(self.motions)
 
@@ -44,12 +53,12 @@ class ParetoMotions(Sequence):
 
     @property
     def duration(self) -> np.ndarray:
-        """Of each motion [s], ascending: (n,)."""
+        """Of each motion [s], ascending if each is the best one: (n,)."""
         return np.array([motion.duration for motion in self.motions])
 
     @property
     def effort(self) -> np.ndarray:
-        """Of each motion, in its `effort_unit`, descending: (n,)."""
+        """Of each motion, in its `effort_unit`, descending if each is the best one: (n,)."""
         return np.array([motion.effort for motion in self.motions])
 
     def plot(self, axes: "np.ndarray | Figure | None" = None) -> np.ndarray:
@@ -115,8 +124,10 @@ def pareto_motions(
     if "duration" in options:
         raise TypeError("duration: expected none, it is free in a compromise of time and effort")
     weights = floats("effort_weights", effort_weights, "s per unit of the effort")
-    if weights.ndim != 1 or len(weights) == 0 or (np.diff(weights) <= 0.0).any():
-        raise ValueError(f"effort_weights: expected weights that ascend, got {effort_weights!r}")
+    if weights.ndim != 1 or len(weights) == 0 or (np.diff(weights, prepend=-1e-300) <= 0.0).any():
+        raise ValueError(
+            f"effort_weights: expected weights that ascend, none below 0, got {effort_weights!r}"
+        )
     motions = [
         optimal_motion(robot, start, end, effort_weight=weight, **options)
         for weight in weights.tolist()

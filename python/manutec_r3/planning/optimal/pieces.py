@@ -96,11 +96,20 @@ class Pieces:
         """Coefficients (N, 5, n_axes) of x^0 to x^4 of each piece."""
         return self._coefficients @ unknowns
 
+    def values(self, points: Points, unknowns: np.ndarray, derivative: int) -> np.ndarray:
+        """Angles or derivatives by s (n, n_axes) at n points."""
+        coefficients = self.coefficients(unknowns)[points.piece]
+        return np.einsum("nk,nka->na", self._powers(points, derivative), coefficients)
+
     def matrix(self, points: Points, derivative: int) -> np.ndarray:
         """Return (n, 3 N + 2): times unknowns, angles or derivatives by s at n points."""
-        powers = np.array([_monomial(k, points.x, derivative) for k in range(5)]).T
-        powers /= self.length[points.piece, None] ** derivative
+        powers = self._powers(points, derivative)
         return np.einsum("nk,nku->nu", powers, self._coefficients[points.piece])
+
+    def _powers(self, points: Points, derivative: int) -> np.ndarray:
+        """Return derivatives by s of x^0 to x^4 (n, 5)."""
+        powers = np.array([_monomial(k, points.x, derivative) for k in range(5)]).T
+        return powers / self.length[points.piece, None] ** derivative
 
     def through(self, angle: np.ndarray, slope: np.ndarray, bend: np.ndarray) -> np.ndarray:
         """Unknowns from angles and slopes (N + 1, n_axes) at mesh points and bends (N, n_axes)."""

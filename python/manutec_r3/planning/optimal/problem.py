@@ -31,16 +31,18 @@ from ..motor_limits import gear_ratios
 from .dynamics import inverse_dynamics
 from .pieces import RADAU_POINTS, RADAU_WEIGHTS, Pieces, Points
 
-# Of the conditions of optimality. What the barrier leaves of the objective is larger by the number
-# of limits, a thousand: least times are found to 1e-6 s, least efforts to as many digits with less.
+# Of the conditions of optimality, with an objective that is about 1. What the barrier leaves of it
+# is larger by the number of limits, a thousand: least times are found to 1e-6, least efforts to as
+# many digits with less.
 _TOLERANCE_OF_TIME = 1e-9
 _TOLERANCE_OF_EFFORT = 1e-8
 # Where roundoff does not let it come so far, three such iterations in a row are as good.
 _ACCEPTABLE = 3e-8
 _MOST_ITERATIONS = 1000
-_SHORTEST = 1e-3  # [s]
+# A free duration is not less than this part of the one to begin with.
+_SHORTEST = 0.01
 
-# The barrier with which IPOPT begins, for the objective in seconds: its own for a guess from afar;
+# The barrier with which IPOPT begins: its own for a guess from afar;
 # little where the motion is nearly known; next to none where the multipliers are known as well.
 # Refinement takes half of the iterations then, to the same optimum.
 _FROM_NEARBY: dict[str, Any] = {"mu_init": 1e-6}
@@ -131,30 +133,8 @@ class _AtPoint:
 
 
 @dataclass(frozen=True)
-class Guess:
-    """Where a solver begins.
-
-    Attributes
-    ----------
-    unknowns : ndarray (3 N + 2, n_axes)
-        Of the pieces.
-    duration : float
-        T [s].
-    is_nearby : bool
-        Whether it solves a problem that differs little.
-    multipliers : ndarray, optional
-        Of that problem's constraints, if those are the first ones of this problem.
-    """
-
-    unknowns: np.ndarray
-    duration: float
-    is_nearby: bool = False
-    multipliers: np.ndarray | None = None
-
-
-@dataclass(frozen=True)
-class Solution:
-    """What a solver has found.
+class Trial:
+    """A motion, optimal or not.
 
     Attributes
     ----------
@@ -164,6 +144,50 @@ class Solution:
         Of the pieces.
     duration : float
         T [s].
+    """
+
+    pieces: Pieces
+    unknowns: np.ndarray
+    duration: float
+
+    def at(self, points: Points) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Angles, rates and accelerations (n, n_axes) at n points."""
+        q, slope, bend = (self.pieces.values(points, self.unknowns, k) for k in range(3))
+        return q, slope / self.duration, bend / self.duration**2
+
+    def motor_torque(self, task: Task, points: Points) -> np.ndarray:
+        """Motor torques (n, n_axes) at n points, by the core [N m]."""
+        return task.robot.inverse_dynamics(*self.at(points)) / task.gear_ratio
+
+    def effort(self, task: Task, x: np.ndarray, weights: np.ndarray) -> float:
+        """E, by a rule for integrals from 0 to 1 with some points x and weights (n,)."""
+        torque = self.motor_torque(task, Points.on_all(self.pieces.n, x))
+        squares = ((torque / task.effort_scale) ** 2).sum(axis=1).reshape(self.pieces.n, -1)
+        return float(self.duration * self.pieces.length @ (squares @ weights))
+
+
+@dataclass(frozen=True)
+class Guess(Trial):
+    """Where a solver begins.
+
+    Attributes
+    ----------
+    is_nearby : bool
+        Whether it solves a problem that differs little.
+    multipliers : ndarray, optional
+        Of that problem's constraints, if those are the first ones of this problem.
+    """
+
+    is_nearby: bool = False
+    multipliers: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class Solution(Trial):
+    """What a solver has found.
+
+    Attributes
+    ----------
     objective : float
         a T + b E.
     multipliers : ndarray
@@ -178,9 +202,6 @@ class Solution:
         Time it took.
     """
 
-    pieces: Pieces
-    unknowns: np.ndarray
-    duration: float
     objective: float
     multipliers: np.ndarray
     status: str
@@ -188,26 +209,14 @@ class Solution:
     iterations: int
     seconds: float
 
-    def at(self, points: Points) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Angles, rates and accelerations (n, n_axes) at n points."""
-        q, slope, bend = (self.pieces.matrix(points, k) @ self.unknowns for k in range(3))
-        return q, slope / self.duration, bend / self.duration**2
 
-
-def solve(
-    task: Task,
-    pieces: Pieces,
-    limit_points: Points,
-    guess: Guess,
-) -> Solution:
-    """Solve a task on a given mesh with IPOPT.
+def solve(task: Task, limit_points: Points, guess: Guess) -> Solution:
+    """Solve a task with IPOPT, on the mesh of a guess.
 
     Parameters
     ----------
     task : Task
         What is asked for.
-    pieces : Pieces
-        The mesh.
     limit_points : Points
         Where limits hold besides Radau's points.
     guess : Guess
@@ -219,6 +228,7 @@ def solve(
         Successful or not.
     """
     began = perf_counter()
+    pieces = guess.pieces
     n_axes = task.robot.n_axes
     points = Points.on_all(pieces.n, RADAU_POINTS).and_also(limit_points)
     n = len(points.x)
@@ -279,7 +289,7 @@ def solve(
             },
         },
     )
-    lower, upper = _bounds(task, pieces)
+    lower, upper = _bounds(task, pieces, guess.duration)
     largest = np.append(np.zeros(jumps.shape[0]), np.ones(limited.numel()))
     known = np.zeros(0) if guess.multipliers is None else guess.multipliers
     found = solver(
@@ -347,14 +357,14 @@ def _diagonal(blocks: ca.MX, n: int) -> ca.MX:
     return ca.MX(ca.diagcat(*[block] * n), ca.vec(blocks))
 
 
-def _bounds(task: Task, pieces: Pieces) -> tuple[np.ndarray, np.ndarray]:
+def _bounds(task: Task, pieces: Pieces, duration: float) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper bounds of all unknowns: rest at both ends, and the duration if given."""
     lower = np.full((pieces.n_unknowns, task.robot.n_axes), -np.inf)
     upper = -lower
     lower[pieces.ends["angle"]] = upper[pieces.ends["angle"]] = task.start, task.end
     lower[pieces.ends["slope"]] = upper[pieces.ends["slope"]] = 0.0
     if task.duration is None:
-        shortest, longest = _SHORTEST, np.inf
+        shortest, longest = _SHORTEST * duration, np.inf
     else:
         shortest = longest = task.duration
     return np.append(lower.T.ravel(), shortest), np.append(upper.T.ravel(), longest)
