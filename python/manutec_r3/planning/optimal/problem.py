@@ -21,7 +21,7 @@ z = M v. So everything is one small function and its derivatives, evaluated at a
 from dataclasses import dataclass
 from functools import cached_property
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -228,83 +228,33 @@ def solve(task: Task, limit_points: Points, guess: Guess) -> Solution:
         Successful or not.
     """
     began = perf_counter()
-    pieces = guess.pieces
-    n_axes = task.robot.n_axes
-    points = Points.on_all(pieces.n, RADAU_POINTS).and_also(limit_points)
-    n = len(points.x)
-    weights = np.zeros(n)
-    weights[: 3 * pieces.n] = np.multiply.outer(pieces.length, RADAU_WEIGHTS).ravel()
-    M = _linear_map(pieces, points, n_axes)
-    jumps = _jumps_of_acceleration(pieces, n_axes) if task.smooth else ca.DM(0, M.shape[1])
-
-    v = ca.MX.sym("v", M.shape[1])
-    none = ca.MX.sym("none", 0)
-    z = ca.reshape(M @ v, -1, n)
-    ask, weight = task.at_point, ca.DM(weights).T
-    cost, limited = ask.value.map(n)(z, weight)
-    objective = task.time_weight * v[-1] + ca.sum2(cost)
-    gradient, jacobian = ask.gradient.map(n)(z, weight), ask.jacobian.map(n)(z)
-    of_time = ca.DM.zeros(M.shape[1])
-    of_time[-1] = task.time_weight
-    of_cost = ca.MX.sym("of_cost")
-    multipliers = ca.MX.sym("multipliers", limited.numel() + jumps.shape[0])
-    of_limits = ca.reshape(multipliers[jumps.shape[0] :], -1, n)
-    hessian = ask.hessian.map(n)(z, weight, of_cost, of_limits)
-    constraints = ca.vertcat(jumps @ v, ca.vec(limited))
-    solver = ca.nlpsol(
-        "optimal_motion",
-        "ipopt",
-        {"x": v, "p": none, "f": objective, "g": constraints},
-        {
-            "grad_f": ca.Function(
-                "grad_f",
-                [v, none],
-                [objective, of_time + M.T @ ca.vec(gradient)],
-                ["x", "p"],
-                ["f", "grad_f_x"],
-            ),
-            "jac_g": ca.Function(
-                "jac_g",
-                [v, none],
-                [constraints, ca.vertcat(jumps, _diagonal(jacobian, n) @ M)],
-                ["x", "p"],
-                ["g", "jac_g_x"],
-            ),
-            "hess_lag": ca.Function(
-                "hess_lag",
-                [v, none, of_cost, multipliers],
-                [ca.triu(M.T @ (_diagonal(hessian, n) @ M))],
-                ["x", "p", "lam_f", "lam_g"],
-                ["triu_hess_gamma_x_x"],
-            ),
-            "print_time": False,
-            "ipopt": {
-                "print_level": 0,
-                "sb": "yes",
-                "tol": _TOLERANCE_OF_TIME if task.duration is None else _TOLERANCE_OF_EFFORT,
-                "max_iter": _MOST_ITERATIONS,
-                "acceptable_tol": _ACCEPTABLE,
-                "acceptable_iter": 3,
-                **_beginning(guess),
-            },
-        },
-    )
-    lower, upper = _bounds(task, pieces, guess.duration)
-    largest = np.append(np.zeros(jumps.shape[0]), np.ones(limited.numel()))
+    program = _program(task, guess.pieces, limit_points)
+    of_ipopt = {
+        "print_level": 0,
+        "sb": "yes",
+        "tol": _TOLERANCE_OF_TIME if task.duration is None else _TOLERANCE_OF_EFFORT,
+        "max_iter": _MOST_ITERATIONS,
+        "acceptable_tol": _ACCEPTABLE,
+        "acceptable_iter": 3,
+        **_beginning(guess),
+    }
+    options = {**program.derivatives, "print_time": False, "ipopt": of_ipopt}
+    solver = ca.nlpsol("optimal_motion", "ipopt", program.expressions, options)
+    lower, upper = _bounds(task, guess.pieces, guess.duration)
     known = np.zeros(0) if guess.multipliers is None else guess.multipliers
     found = solver(
         x0=np.append(guess.unknowns.T.ravel(), guess.duration),
-        lam_g0=np.append(known, np.zeros(len(largest) - len(known))),
+        lam_g0=np.append(known, np.zeros(len(program.largest) - len(known))),
         lbx=lower,
         ubx=upper,
-        lbg=-largest,
-        ubg=largest,
+        lbg=-program.largest,
+        ubg=program.largest,
     )
     statistics = solver.stats()
     values = found["x"].full().ravel()
     return Solution(
-        pieces,
-        values[:-1].reshape(n_axes, -1).T,
+        guess.pieces,
+        values[:-1].reshape(task.robot.n_axes, -1).T,
         float(values[-1]),
         float(found["f"]),
         found["lam_g"].full().ravel(),
@@ -313,6 +263,54 @@ def solve(task: Task, limit_points: Points, guess: Guess) -> Solution:
         statistics["iter_count"],
         perf_counter() - began,
     )
+
+
+class _Program(NamedTuple):
+    """A task on a mesh: f(v) least, |g(v)| <= largest; v are the unknowns, axis by axis, and T."""
+
+    expressions: dict[str, ca.MX]
+    derivatives: dict[str, ca.Function]
+    largest: np.ndarray  # 0 for jumps of accelerations, 1 for limits, point by point
+
+
+def _program(task: Task, pieces: Pieces, limit_points: Points) -> _Program:
+    points = Points.on_all(pieces.n, RADAU_POINTS).and_also(limit_points)
+    n = len(points.x)
+    weights = np.zeros(n)
+    weights[: 3 * pieces.n] = np.multiply.outer(pieces.length, RADAU_WEIGHTS).ravel()
+    M = _linear_map(pieces, points, task.robot.n_axes)
+    n_v = M.shape[1]
+    jumps = _jumps_of_acceleration(pieces, task.robot.n_axes) if task.smooth else ca.DM(0, n_v)
+    of_time = ca.DM.zeros(n_v)
+    of_time[-1] = task.time_weight
+
+    v, none = ca.MX.sym("v", n_v), ca.MX.sym("none", 0)
+    z = ca.reshape(M @ v, -1, n)
+    ask, weight = task.at_point, ca.DM(weights).T
+    cost, limited = ask.value.map(n)(z, weight)
+    f = ca.dot(of_time, v) + ca.sum2(cost)
+    g = ca.vertcat(jumps @ v, ca.vec(limited))
+    gradient, jacobian = ask.gradient.map(n)(z, weight), ask.jacobian.map(n)(z)
+    of_f, of_g = ca.MX.sym("of_f"), ca.MX.sym("of_g", g.shape[0])
+    hessian = ask.hessian.map(n)(z, weight, of_f, ca.reshape(of_g[jumps.shape[0] :], -1, n))
+
+    grad_f = of_time + M.T @ ca.vec(gradient)
+    jac_g = ca.vertcat(jumps, _diagonal(jacobian, n) @ M)
+    hess_lag = ca.triu(M.T @ (_diagonal(hessian, n) @ M))
+    # Names of inputs and outputs are those that CasADi wants.
+    derivatives = {
+        "grad_f": ca.Function("grad_f", [v, none], [f, grad_f], ["x", "p"], ["f", "grad_f_x"]),
+        "jac_g": ca.Function("jac_g", [v, none], [g, jac_g], ["x", "p"], ["g", "jac_g_x"]),
+        "hess_lag": ca.Function(
+            "hess_lag",
+            [v, none, of_f, of_g],
+            [hess_lag],
+            ["x", "p", "lam_f", "lam_g"],
+            ["triu_hess_gamma_x_x"],
+        ),
+    }
+    largest = np.append(np.zeros(jumps.shape[0]), np.ones(limited.numel()))
+    return _Program({"x": v, "p": none, "f": f, "g": g}, derivatives, largest)
 
 
 def _beginning(guess: Guess) -> dict[str, Any]:
