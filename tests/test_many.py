@@ -35,6 +35,8 @@ RUNS = [
 ] * 2
 T_END = 0.2
 
+every_method = pytest.mark.parametrize("method", ["erk", "exponential", "bdf"])
+
 
 @pytest.fixture(scope="module")
 def alone():
@@ -121,8 +123,12 @@ def test_events_are_those_of_the_results(alone):
         assert record.statistics.evaluations == one.statistics.evaluations
 
 
-def test_final_values_are_the_last_of_the_results(alone):
-    for record, one in zip(r3.simulate_many(RUNS, T_END, record="final"), alone, strict=True):
+@every_method
+def test_final_values_are_the_last_of_the_results(method):
+    runs = RUNS[:6]
+    records = r3.simulate_many(runs, T_END, record="final", method=method)
+    for record, run in zip(records, runs, strict=True):
+        one = r3.simulate(*run, T_END, method=method)
         assert record.t_end == one.t_end
         np.testing.assert_array_equal(record.state, one.state[-1])
         for name in SIGNALS:
@@ -131,12 +137,14 @@ def test_final_values_are_the_last_of_the_results(alone):
             np.testing.assert_array_equal(record.branches[element], branches[-1])
 
 
+@every_method
 @pytest.mark.parametrize("times", [None, [0.01, 0.1]])
-def test_peaks_are_the_largest_magnitudes_of_the_results(times):
+def test_peaks_are_the_largest_magnitudes_of_the_results(times, method):
+    """Of steps on all branches, whatever the branches at the end."""
     runs = RUNS[:6]
-    records = r3.simulate_many(runs, T_END, times=times, record="peaks")
+    records = r3.simulate_many(runs, T_END, times=times, record="peaks", method=method)
     for record, run in zip(records, runs, strict=True):
-        one = r3.simulate(*run, T_END, times=times)
+        one = r3.simulate(*run, T_END, times=times, method=method)
         for name in SIGNALS:
             largest = np.abs(getattr(one, name)).max(axis=0)
             np.testing.assert_array_equal(getattr(record, name), largest)

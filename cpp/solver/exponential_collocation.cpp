@@ -67,10 +67,14 @@ ExponentialCollocation::ExponentialCollocation(hybrid::System& system, double re
   blocks_.set_states(system.nominals().data(), nominals_.data());
 }
 
-void ExponentialCollocation::restart(double t, const double* x, double size) {
+void ExponentialCollocation::mode_changed() {
   blocks_.refresh();
-  blocks_.set_constants(coefficients_.data());
   inside_.mode_changed();
+}
+
+void ExponentialCollocation::restart(double t, const double* x, double size) {
+  mode_changed();
+  blocks_.set_constants(coefficients_.data());
   t_ = t;
   std::copy_n(x, x_.size(), x_.begin());
   kept_.known = false;

@@ -38,6 +38,7 @@ class ExponentialCollocation final : public hybrid::Integrator {
   void look_closer(int k, double* slope) override;
   double next_size() const override;
   void derivatives(double t, const double* x, double* derivatives) override;
+  void mode_changed() override;
   void evaluate(const hybrid::Step& step, double t, double* x) override {
     inside_.evaluate(step, t, x);
   }
