@@ -51,3 +51,13 @@ assert_type(r3.export_urdf(robot, "r3.urdf"), tuple[str, ...])
 r3.simulate(robot, motion, t_end=1.5, method="rk4")  # type: ignore[arg-type]
 r3.Robot(controller="pid")  # type: ignore[arg-type]
 r3.Quintic(start="here", end=[1.0], duration=1.0)  # type: ignore[arg-type]
+
+# Planned motions are motions, with more to tell.
+planned = r3.optimal_motion(robot, [0] * 6, motion.end, effort="voltage", torque_per_volt=1.2)
+assert_type(planned, r3.OptimalMotion)
+assert_type(planned.torque_margins, np.ndarray)
+assert_type(planned.end_error, float)
+assert_type(r3.simulate(robot, planned, t_end=1.5), r3.Result)
+assert_type(r3.pareto_motions(robot, [0] * 6, motion.end, [1e-3, 1e-2]).plot(), np.ndarray)
+assert_type(r3.fastest_along(robot, np.zeros((3, 6))), r3.PiecewisePolynomial)
+r3.optimal_motion(robot, [0] * 6, motion.end, effort="power")  # type: ignore[arg-type]
