@@ -215,7 +215,7 @@ def optimal_motion(
     Examples
     --------
     >>> robot = r3.Robot(model=2, load=r3.Load(15.0))
-    >>> motion = r3.optimal_motion(robot, [0, 0, 0], [1.0, 1.0, 0.6], n_pieces=20)
+    >>> motion = r3.optimal_motion(robot, [0, 0, 0], [1.0, 1.0, 0.6], n_pieces=10)
     >>> motion.duration < 0.8, motion.end_error < 1e-6
     (True, True)
     """

@@ -117,7 +117,7 @@ def pareto_motions(
     Examples
     --------
     >>> robot = r3.Robot(model=2, load=r3.Load(15.0))
-    >>> motions = r3.pareto_motions(robot, [0] * 3, [1.0, 1.0, 0.6], [1e-4, 1e-2], n_pieces=20)
+    >>> motions = r3.pareto_motions(robot, [0] * 3, [1.0, 1.0, 0.6], [1e-4, 1e-2], n_pieces=10)
     >>> bool(motions.duration[0] < motions.duration[1]), bool(motions.effort[0] > motions.effort[1])
     (True, True)
     """
