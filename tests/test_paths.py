@@ -47,6 +47,23 @@ def test_one_motor_is_always_at_a_limit_and_none_beyond(along):
     assert np.mean(largest > 0.99) > 0.95
 
 
+def test_friction_may_be_largest_at_rest():
+    """As much as that is left for it: where a table falls, the motion is slow at both ends."""
+    falling = {"friction": {2: ((0.0, 3.0), (100.0, 0.2), (360.0, 0.3))}, "rM_h": {2: 3.0}}
+    motion = r3.fastest_along(ROBOT.replace(table_2=falling), WAYPOINTS, friction=True)
+    # TOPP-RA may exceed limits between the points of its grid; here it stays 4e-7 N m below.
+    assert np.abs(motor_torque(ROBOT, motion, inside(motion)))[:, 1].max() < 6.000004
+
+
+def test_no_random_path_leads_beyond_a_limit():
+    """`fastest_along` itself refuses an excess of 1 %, which paths with many waypoints come to."""
+    random = np.random.default_rng(0)
+    for _ in range(20):
+        size = (random.integers(2, 8), 3)
+        motion = r3.fastest_along(ROBOT, random.uniform(-1.0, 1.0, size) * [2.5, 1.2, 2.0])
+        assert np.abs(motor_torque(ROBOT, motion, inside(motion))).max() < 1.01 * 9.0
+
+
 @pytest.mark.parametrize("apart", [0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1.1e-6])
 def test_waypoints_may_be_close(along, apart):
     """There the path bends sharply: grids have all waypoints, where third derivatives jump."""

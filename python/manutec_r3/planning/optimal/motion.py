@@ -102,9 +102,9 @@ class OptimalMotion(PiecewisePolynomial):
     def end_error(self) -> float:
         """By how much the core, driven by the motor torques alone, misses the end [rad].
 
-        An arm that stands upright falls: roundoff grows tenfold in half a second. A motion that
-        takes longer than 2 s is driven in parts about as long, each from the motion's own angles
-        and rates, and this is the largest miss at the end of one.
+        An arm that stands upright falls: roundoff grows more than twentyfold in a second. A motion
+        of 3 s or more is driven in parts of about 2 s, each from the motion's own angles and rates,
+        and this is the largest miss at the end of one.
         """
         robot = self.robot
         arm = Robot(

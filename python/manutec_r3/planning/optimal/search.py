@@ -22,7 +22,7 @@ _QUARTERS = np.array([0.0, 0.25, 0.5, 0.75])
 # Where it is looked for limits that are exceeded: between two, a parabola of accelerations can be
 # higher by less than 1e-3 of what it changes by on its piece.
 SAMPLES = np.linspace(0.0, 1.0, 41)
-# Two or three have been enough for random ends, eight never too few.
+# Up to five have been needed for random ends, loads and meshes.
 _MOST_ROUNDS = 8
 _LARGEST_BOW = 1.0  # [rad]
 # Of the torque limit, beside the weight of the arm.
@@ -94,9 +94,16 @@ def optimum(task: Task, n_pieces: int, starts: int, limit_tolerance: float) -> F
         if n_rounds == _MOST_ROUNDS:
             break
         limit_points = limit_points.and_also(_worst(excess, limit_tolerance))
-        guess = Guess(best.pieces, best.unknowns, best.duration, True, best.multipliers)
         if n_rounds == 0 and not task.smooth:
             guess, limit_points = _cut(best, limit_points, excess.max(axis=1) > _JUMP)
+        else:
+            guess = Guess(
+                best.pieces,
+                best.unknowns,
+                best.duration,
+                is_nearby=True,
+                multipliers=best.multipliers,
+            )
         best = solve(task, limit_points, guess)
         solved.append(best)
     raise OptimisationError(
