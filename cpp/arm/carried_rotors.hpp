@@ -10,20 +10,21 @@
 
 #include "arm/mechanism.hpp"
 #include "arm/vector.hpp"
+#include "numbers/abreast.hpp"
 
 namespace manutec_r3::arm {
 
-template <int N>
+template <int N, class Number = double>
 struct CarriedRotors {
-  Matrix<N> projection;  // <an_i, rn_j> in row i < j, column j; 0 elsewhere
-  Matrix<N> swing;       // <an_i, w_{j-1} x rn_j> likewise [rad/s]
-  Vector<N> drift;       // <rn_j, w'_{j-1}> at aq'' = 0 [rad/s^2]
+  Matrix<N, Number> projection;  // <an_i, rn_j> in row i < j, column j; 0 elsewhere
+  Matrix<N, Number> swing;       // <an_i, w_{j-1} x rn_j> likewise [rad/s]
+  Vector<N, Number> drift;       // <rn_j, w'_{j-1}> at aq'' = 0 [rad/s^2]
 };
 
-// Angles and rates of the joints [rad, rad/s].
-template <int N>
-CarriedRotors<N> carried_rotors(const Mechanism<N>& mechanism, const Vector<N>& q,
-                                const Vector<N>& qd);
+// Angles and rates of the joints [rad, rad/s]. The numbers are doubles, or four abreast.
+template <int N, class Number>
+CarriedRotors<N, Number> carried_rotors(const Mechanism<N>& mechanism, const Vector<N, Number>& q,
+                                        const Vector<N, Number>& qd);
 
 extern template CarriedRotors<1> carried_rotors(const Mechanism<1>&, const Vector<1>&,
                                                 const Vector<1>&);
@@ -31,5 +32,11 @@ extern template CarriedRotors<3> carried_rotors(const Mechanism<3>&, const Vecto
                                                 const Vector<3>&);
 extern template CarriedRotors<6> carried_rotors(const Mechanism<6>&, const Vector<6>&,
                                                 const Vector<6>&);
+extern template CarriedRotors<1, numbers::Abreast> carried_rotors(
+    const Mechanism<1>&, const Vector<1, numbers::Abreast>&, const Vector<1, numbers::Abreast>&);
+extern template CarriedRotors<3, numbers::Abreast> carried_rotors(
+    const Mechanism<3>&, const Vector<3, numbers::Abreast>&, const Vector<3, numbers::Abreast>&);
+extern template CarriedRotors<6, numbers::Abreast> carried_rotors(
+    const Mechanism<6>&, const Vector<6, numbers::Abreast>&, const Vector<6, numbers::Abreast>&);
 
 }  // namespace manutec_r3::arm

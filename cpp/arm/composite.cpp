@@ -14,20 +14,23 @@ namespace manutec_r3::arm {
 namespace {
 
 // K = [w']x + [w]x [w]x, by columns: the points of an arm accelerate with a(r) = a + K r.
+template <class Number>
 struct Gradient {
-  Triple x, y, z;
+  TripleOf<Number> x, y, z;
 };
 
-Gradient gradient(const Triple& w, const Triple& wd) {
-  const double xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z;
-  const double xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z;
+template <class Number>
+Gradient<Number> gradient(const TripleOf<Number>& w, const TripleOf<Number>& wd) {
+  const Number xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z;
+  const Number xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z;
   return {{-(yy + zz), xy + wd.z, xz - wd.y},
           {xy - wd.z, -(xx + zz), yz + wd.x},
           {xz + wd.y, yz - wd.x, -(xx + yy)}};
 }
 
 // force = integral a(r) dm, torque = integral r x a(r) dm.
-Wrench wrench(const Moments& arm, const Triple& a, const Gradient& K) {
+template <class Number>
+Wrench<Number> wrench(const Moments& arm, const TripleOf<Number>& a, const Gradient<Number>& K) {
   const auto& [m, h, J] = arm;
   const Triple Jx = {J.xx, J.xy, J.xz}, Jy = {J.xy, J.yy, J.yz}, Jz = {J.xz, J.yz, J.zz};
   return {cross(h, a) + cross(Jx, K.x) + cross(Jy, K.y) + cross(Jz, K.z),
@@ -35,7 +38,9 @@ Wrench wrench(const Moments& arm, const Triple& a, const Gradient& K) {
 }
 
 // The same for an arm that is symmetrical to its x-z plane, without what is zero.
-Wrench wrench_of_symmetrical(const Moments& arm, const Triple& a, const Gradient& K) {
+template <class Number>
+Wrench<Number> wrench_of_symmetrical(const Moments& arm, const TripleOf<Number>& a,
+                                     const Gradient<Number>& K) {
   const auto& [m, h, J] = arm;
   return {{J.yy * K.y.z - J.zz * K.z.y - J.xz * K.x.y - h.z * a.y,
            J.zz * K.z.x - J.xx * K.x.z + J.xz * (K.x.x - K.z.z) + h.z * a.x - h.x * a.z,
@@ -44,8 +49,8 @@ Wrench wrench_of_symmetrical(const Moments& arm, const Triple& a, const Gradient
 }
 
 // The same for unit acceleration about an axis through the origin, from rest and without gravity.
-template <Axis axis>
-Wrench unit_acceleration(const Moments& body) {
+template <Axis axis, class Number>
+Wrench<Number> unit_acceleration(const MomentsOf<Number>& body) {
   const auto& [m, h, J] = body;
   if constexpr (axis == Axis::x) {
     return {{J.yy + J.zz, -J.xy, -J.xz}, {0, -h.z, h.y}};
@@ -55,17 +60,24 @@ Wrench unit_acceleration(const Moments& body) {
 }
 
 // An arm and all arms beyond it: as one rigid body, and the wrench that their motion takes.
-struct Composite {
-  Moments moments;
-  Wrench bias;
+template <class Number>
+struct CompositeOf {
+  MomentsOf<Number> moments;
+  Wrench<Number> bias;
 };
 
-template <int N, Layout layout>
+template <int N, Layout layout, class Number>
 struct Recursion {
+  using Triple = TripleOf<Number>;
+  using Wrench = arm::Wrench<Number>;
+  using ArmMotion = arm::ArmMotion<Number>;
+  using Gradient = arm::Gradient<Number>;
+  using Composite = CompositeOf<Number>;
+
   const Mechanism<N>& mechanism;
-  const std::array<Turn, N>& turns;
-  const VectorView<N>& qd;
-  EquationsOfMotion<N>& equations;
+  const std::array<Turn<Number>, N>& turns;
+  const VectorView<N, Number>& qd;
+  EquationsOfMotion<N, Number>& equations;
 
   // Flattened into one function: the recursion is fast if its numbers stay in registers.
   [[gnu::flatten]] void run() {
@@ -124,11 +136,11 @@ struct Recursion {
   // that is accelerated upwards.
   ArmMotion motion_of_arm_2() const {
     const auto [c, s] = turns[1];
-    const double w = qd[0], g = mechanism.gravity();
+    const Number w = qd[0], g = mechanism.gravity();
     ArmMotion arm_2 = {
         {qd[1], s * w, c * w}, {0, c * w * qd[1], -s * w * qd[1]}, {0, s * g, c * g}};
     if constexpr (layout == Layout::anything) {
-      const Triple& r = mechanism.offset(1);
+      const auto& r = mechanism.offset(1);
       arm_2.a += rotated_back<1>(turns[1], {-w * w * r.x, -w * w * r.y, 0});
     }
     return arm_2;
@@ -138,7 +150,7 @@ struct Recursion {
   template <int j>
   ArmMotion motion_of(const ArmMotion& inner, const Gradient& K) {
     constexpr Axis an = joint_axes[j];
-    const Turn& turn = turns[j];
+    const Turn<Number>& turn = turns[j];
     ArmMotion outer = {rotated_back<j>(turn, inner.w), rotated_back<j>(turn, inner.wd),
                        rotated_back<j>(turn, acceleration_of_joint<j>(inner.a, K))};
     add_cross_unit<an>(qd[j], outer.w, outer.wd);
@@ -149,7 +161,7 @@ struct Recursion {
   // How the place of joint j accelerates, from the origin of arm j-1.
   template <int j>
   Triple acceleration_of_joint(const Triple& a, const Gradient& K) const {
-    const Triple& r = mechanism.offset(j);
+    const auto& r = mechanism.offset(j);
     if constexpr (layout == Layout::anything) {
       return a + r.x * K.x + r.y * K.y + r.z * K.z;
     } else if constexpr (is_displaced_in_report(j)) {
@@ -161,7 +173,7 @@ struct Recursion {
 
   // <rn_j, v>; and adds value (v x rn_j), or value rn_j.
   template <int j>
-  double along_rotor_axis(const Triple& v) const {
+  Number along_rotor_axis(const Triple& v) const {
     if constexpr (layout == Layout::report) {
       return along<rotor_axes_of_report[j]>(v);
     } else {
@@ -169,7 +181,7 @@ struct Recursion {
     }
   }
   template <int j>
-  void add_cross_rotor_axis(double value, const Triple& v, Triple& sum) const {
+  void add_cross_rotor_axis(const Number& value, const Triple& v, Triple& sum) const {
     if constexpr (layout == Layout::report) {
       add_cross_unit<rotor_axes_of_report[j]>(value, v, sum);
     } else {
@@ -211,27 +223,32 @@ struct Recursion {
 };
 
 // Of all joints but the first, whose angle has no effect.
-template <int N>
-std::array<Turn, N> turns_of(const VectorView<N>& q) {
-  std::array<double, N - 1> angles;
-  for (int j = 1; j < N; ++j) angles[j - 1] = q[j];
-  const auto [sine, cosine] = sines_and_cosines<N - 1>(angles);
-  std::array<Turn, N> turns{};
-  for (int j = 1; j < N; ++j) turns[j] = {cosine[j - 1], sine[j - 1]};
+template <int N, class Number>
+std::array<Turn<Number>, N> turns_of(const VectorView<N, Number>& q) {
+  constexpr int n = numbers::n_abreast<Number>;
+  std::array<double, n*(N - 1)> angles;
+  for (int j = 1; j < N; ++j) numbers::store(q[j], &angles[n * (j - 1)]);
+  const auto [sine, cosine] = sines_and_cosines<n*(N - 1)>(angles);
+  std::array<Turn<Number>, N> turns{};
+  for (int j = 1; j < N; ++j) {
+    turns[j] = {numbers::load<Number>(&cosine[n * (j - 1)]),
+                numbers::load<Number>(&sine[n * (j - 1)])};
+  }
   return turns;
 }
 
 }  // namespace
 
-template <int N>
-EquationsOfMotion<N> equations_of_motion(const Mechanism<N>& mechanism, const VectorView<N>& q,
-                                         const VectorView<N>& qd) {
-  const std::array<Turn, N> turns = turns_of<N>(q);
-  EquationsOfMotion<N> equations;
+template <int N, class Number>
+EquationsOfMotion<N, Number> equations_of_motion(const Mechanism<N>& mechanism,
+                                                 const VectorView<N, Number>& q,
+                                                 const VectorView<N, Number>& qd) {
+  const std::array<Turn<Number>, N> turns = turns_of<N, Number>(q);
+  EquationsOfMotion<N, Number> equations;
   if (mechanism.has_layout_of_report()) {
-    Recursion<N, Layout::report>{mechanism, turns, qd, equations}.run();
+    Recursion<N, Layout::report, Number>{mechanism, turns, qd, equations}.run();
   } else {
-    Recursion<N, Layout::anything>{mechanism, turns, qd, equations}.run();
+    Recursion<N, Layout::anything, Number>{mechanism, turns, qd, equations}.run();
   }
   return equations;
 }
@@ -239,8 +256,8 @@ EquationsOfMotion<N> equations_of_motion(const Mechanism<N>& mechanism, const Ve
 template <int N>
 Vector<N> forward_dynamics(const Mechanism<N>& mechanism, const VectorView<N>& q,
                            const VectorView<N>& qd, const VectorView<N>& tau) {
-  const EquationsOfMotion<N> equations = equations_of_motion(mechanism, q, qd);
-  return solution<N>(equations.M, tau - equations.bias);
+  const EquationsOfMotion<N> equations = equations_of_motion<N, double>(mechanism, q, qd);
+  return solution<N, double>(equations.M, tau - equations.bias);
 }
 
 template EquationsOfMotion<1> equations_of_motion(const Mechanism<1>&, const VectorView<1>&,
@@ -249,6 +266,15 @@ template EquationsOfMotion<3> equations_of_motion(const Mechanism<3>&, const Vec
                                                   const VectorView<3>&);
 template EquationsOfMotion<6> equations_of_motion(const Mechanism<6>&, const VectorView<6>&,
                                                   const VectorView<6>&);
+template EquationsOfMotion<1, numbers::Abreast> equations_of_motion(
+    const Mechanism<1>&, const VectorView<1, numbers::Abreast>&,
+    const VectorView<1, numbers::Abreast>&);
+template EquationsOfMotion<3, numbers::Abreast> equations_of_motion(
+    const Mechanism<3>&, const VectorView<3, numbers::Abreast>&,
+    const VectorView<3, numbers::Abreast>&);
+template EquationsOfMotion<6, numbers::Abreast> equations_of_motion(
+    const Mechanism<6>&, const VectorView<6, numbers::Abreast>&,
+    const VectorView<6, numbers::Abreast>&);
 template Vector<1> forward_dynamics(const Mechanism<1>&, const VectorView<1>&, const VectorView<1>&,
                                     const VectorView<1>&);
 template Vector<3> forward_dynamics(const Mechanism<3>&, const VectorView<3>&, const VectorView<3>&,

@@ -14,23 +14,36 @@
 
 namespace manutec_r3::arm {
 
-struct SymmetricTensor {
-  double xx, yy, zz, xy, xz, yz;
+template <class Number>
+struct SymmetricTensorOf {
+  Number xx, yy, zz, xy, xz, yz;
 };
 
-struct Moments {
+// The mass is the same in all directions and at all times: a plain number.
+template <class Number>
+struct MomentsOf {
   double m;
-  Triple h;
-  SymmetricTensor J;
+  TripleOf<Number> h;
+  SymmetricTensorOf<Number> J;
 
-  friend Moments operator+(const Moments& a, const Moments& b) {
-    return {a.m + b.m,
-            a.h + b.h,
-            {a.J.xx + b.J.xx, a.J.yy + b.J.yy, a.J.zz + b.J.zz, a.J.xy + b.J.xy, a.J.xz + b.J.xz,
-             a.J.yz + b.J.yz}};
+  // The same as numbers of another kind.
+  template <class Other>
+  operator MomentsOf<Other>() const {
+    return {m, {h.x, h.y, h.z}, {J.xx, J.yy, J.zz, J.xy, J.xz, J.yz}};
   }
-  Moments& operator+=(const Moments& other) { return *this = *this + other; }
+  MomentsOf& operator+=(const MomentsOf& other) { return *this = *this + other; }
 };
+
+template <class A, class B>
+MomentsOf<Sum<A, B>> operator+(const MomentsOf<A>& a, const MomentsOf<B>& b) {
+  return {a.m + b.m,
+          a.h + b.h,
+          {a.J.xx + b.J.xx, a.J.yy + b.J.yy, a.J.zz + b.J.zz, a.J.xy + b.J.xy, a.J.xz + b.J.xz,
+           a.J.yz + b.J.yz}};
+}
+
+using SymmetricTensor = SymmetricTensorOf<double>;
+using Moments = MomentsOf<double>;
 
 Moments moments(const Body& body);
 

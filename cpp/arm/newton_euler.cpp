@@ -62,14 +62,17 @@ template Vector<3> inverse_dynamics(const Mechanism<3>&, const Vector<3>&, const
                                     const Vector<3>&);
 template Vector<6> inverse_dynamics(const Mechanism<6>&, const Vector<6>&, const Vector<6>&,
                                     const Vector<6>&);
-template Vector<1, Recorded> inverse_dynamics(const Mechanism<1>&, const Vector<1, Recorded>&,
-                                              const Vector<1, Recorded>&,
-                                              const Vector<1, Recorded>&);
-template Vector<3, Recorded> inverse_dynamics(const Mechanism<3>&, const Vector<3, Recorded>&,
-                                              const Vector<3, Recorded>&,
-                                              const Vector<3, Recorded>&);
-template Vector<6, Recorded> inverse_dynamics(const Mechanism<6>&, const Vector<6, Recorded>&,
-                                              const Vector<6, Recorded>&,
-                                              const Vector<6, Recorded>&);
+template Vector<1, numbers::Recorded> inverse_dynamics(const Mechanism<1>&,
+                                                       const Vector<1, numbers::Recorded>&,
+                                                       const Vector<1, numbers::Recorded>&,
+                                                       const Vector<1, numbers::Recorded>&);
+template Vector<3, numbers::Recorded> inverse_dynamics(const Mechanism<3>&,
+                                                       const Vector<3, numbers::Recorded>&,
+                                                       const Vector<3, numbers::Recorded>&,
+                                                       const Vector<3, numbers::Recorded>&);
+template Vector<6, numbers::Recorded> inverse_dynamics(const Mechanism<6>&,
+                                                       const Vector<6, numbers::Recorded>&,
+                                                       const Vector<6, numbers::Recorded>&,
+                                                       const Vector<6, numbers::Recorded>&);
 
 }  // namespace manutec_r3::arm

@@ -12,8 +12,9 @@
 namespace manutec_r3::arm {
 
 // Cosine and sine of a joint angle.
+template <class Number>
 struct Turn {
-  double c, s;
+  Number c, s;
 };
 
 enum class Layout {
@@ -24,8 +25,9 @@ enum class Layout {
 constexpr bool is_displaced_in_report(int j) { return j == 2 || j == 4; }
 
 // Torque about the origin of an arm's frame, and force.
+template <class Number>
 struct Wrench {
-  Triple torque, force;
+  TripleOf<Number> torque, force;
 
   friend Wrench operator+(const Wrench& a, const Wrench& b) {
     return {a.torque + b.torque, a.force + b.force};
@@ -33,35 +35,39 @@ struct Wrench {
 };
 
 // Angular velocity and acceleration of an arm, and the acceleration of its origin.
+template <class Number>
 struct ArmMotion {
-  Triple w, wd, a;
+  TripleOf<Number> w, wd, a;
 };
 
 // Components (u, v) of arm j -> components of arm j-1.
-inline void rotate(const Turn& turn, double& u, double& v) {
-  const double u_j = u;
+template <class Number>
+void rotate(const Turn<Number>& turn, Number& u, Number& v) {
+  const Number u_j = u;
   u = turn.c * u_j - turn.s * v;
   v = turn.s * u_j + turn.c * v;
 }
 
 // Components of arm j-1 -> components (u, v) of arm j.
-inline void rotate_back(const Turn& turn, double& u, double& v) {
-  const double u_j_1 = u;
+template <class Number>
+void rotate_back(const Turn<Number>& turn, Number& u, Number& v) {
+  const Number u_j_1 = u;
   u = turn.c * u_j_1 + turn.s * v;
   v = turn.c * v - turn.s * u_j_1;
 }
 
 // The part of a tensor in the plane of rotation; it is rotated from both sides.
-inline void rotate(const Turn& turn, double& uu, double& vv, double& uv) {
-  const double t = turn.s * (uu - vv) + 2 * turn.c * uv;
+template <class Number>
+void rotate(const Turn<Number>& turn, Number& uu, Number& vv, Number& uv) {
+  const Number t = turn.s * (uu - vv) + 2 * turn.c * uv;
   uu -= turn.s * t;
   vv += turn.s * t;
   uv = turn.c * t - uv;
 }
 
 // From the directions of arm j to those of arm j-1, about the same point.
-template <int j>
-Triple rotated(const Turn& turn, Triple v) {
+template <int j, class Number>
+TripleOf<Number> rotated(const Turn<Number>& turn, TripleOf<Number> v) {
   if constexpr (joint_axes[j] == Axis::x) {
     rotate(turn, v.y, v.z);
   } else {
@@ -71,8 +77,8 @@ Triple rotated(const Turn& turn, Triple v) {
 }
 
 // From the directions of arm j-1 to those of arm j.
-template <int j>
-Triple rotated_back(const Turn& turn, Triple v) {
+template <int j, class Number>
+TripleOf<Number> rotated_back(const Turn<Number>& turn, TripleOf<Number> v) {
   if constexpr (joint_axes[j] == Axis::x) {
     rotate_back(turn, v.y, v.z);
   } else {
@@ -81,15 +87,15 @@ Triple rotated_back(const Turn& turn, Triple v) {
   return v;
 }
 
-template <int j>
-Wrench rotated(const Turn& turn, const Wrench& wrench) {
+template <int j, class Number>
+Wrench<Number> rotated(const Turn<Number>& turn, const Wrench<Number>& wrench) {
   return {rotated<j>(turn, wrench.torque), rotated<j>(turn, wrench.force)};
 }
 
-template <int j>
-Moments rotated(const Turn& turn, Moments body) {
+template <int j, class Number>
+MomentsOf<Number> rotated(const Turn<Number>& turn, MomentsOf<Number> body) {
   body.h = rotated<j>(turn, body.h);
-  SymmetricTensor& J = body.J;
+  auto& J = body.J;
   if constexpr (joint_axes[j] == Axis::x) {
     rotate(turn, J.xy, J.xz);
     rotate(turn, J.yy, J.zz, J.yz);
@@ -102,8 +108,8 @@ Moments rotated(const Turn& turn, Moments body) {
 
 // What is known about the origin of arm j becomes known about the origin of arm j-1, r below it:
 // r -> r' + r in h = integral r' dm and J = integral r' r'^T dm.
-template <int j, Layout layout>
-void shift(const Triple& r, Moments& body) {
+template <int j, Layout layout, class Number>
+void shift(const Triple& r, MomentsOf<Number>& body) {
   auto& [m, h, J] = body;
   if constexpr (layout == Layout::report) {
     if constexpr (is_displaced_in_report(j)) {
@@ -113,7 +119,7 @@ void shift(const Triple& r, Moments& body) {
       h.z += r.z * m;
     }
   } else {
-    const Triple middle = h + (0.5 * m) * r;
+    const TripleOf<Number> middle = h + (0.5 * m) * r;
     J.xx += 2 * r.x * middle.x;
     J.yy += 2 * r.y * middle.y;
     J.zz += 2 * r.z * middle.z;
@@ -124,8 +130,8 @@ void shift(const Triple& r, Moments& body) {
   }
 }
 
-template <int j, Layout layout>
-void shift(const Triple& r, Wrench& wrench) {
+template <int j, Layout layout, class Number>
+void shift(const Triple& r, Wrench<Number>& wrench) {
   if constexpr (layout == Layout::report) {
     if constexpr (is_displaced_in_report(j)) {
       wrench.torque.x -= r.z * wrench.force.y;

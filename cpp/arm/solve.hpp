@@ -22,15 +22,15 @@ constexpr void for_each_index(const Body& body) {
 
 // x; from the last axis to the first. No pivots are exchanged or tested: a mass matrix is positive
 // definite.
-template <int N>
-[[gnu::flatten]] Vector<N> solution(Symmetric<N> M, Vector<N> b) {
+template <int N, class Number>
+[[gnu::flatten]] Vector<N, Number> solution(Symmetric<N, Number> M, Vector<N, Number> b) {
   // Above the diagonal M keeps U D, on the diagonal D.
-  std::array<double, N> inverse_D;
+  std::array<Number, N> inverse_D;
   for_each_index<N>([&](auto steps) {
     constexpr int k = N - 1 - steps;
     inverse_D[k] = 1.0 / M(k, k);
     for_each_index<k>([&](auto i) {
-      const double U_ik = M(i, k) * inverse_D[k];
+      const Number U_ik = M(i, k) * inverse_D[k];
       for_each_index<i + 1>([&](auto j) { M(j, i) -= U_ik * M(j, k); });
       b[i] -= U_ik * b[k];
     });

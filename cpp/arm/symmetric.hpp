@@ -9,15 +9,15 @@
 
 namespace manutec_r3::arm {
 
-template <int N>
+template <int N, class Number = double>
 class Symmetric {
  public:
   // M(i, j) and M(j, i) are the same number.
-  double& operator()(int i, int j) { return entries_[place(i, j)]; }
-  double operator()(int i, int j) const { return entries_[place(i, j)]; }
+  Number& operator()(int i, int j) { return entries_[place(i, j)]; }
+  const Number& operator()(int i, int j) const { return entries_[place(i, j)]; }
 
   // M - v v^T / divisor.
-  void subtract_square(const Vector<N>& v, double divisor) {
+  void subtract_square(const Vector<N, Number>& v, double divisor) {
     for (int j = 0; j < N; ++j) {
       for (int i = 0; i <= j; ++i) (*this)(i, j) -= v[i] * v[j] / divisor;
     }
@@ -29,8 +29,8 @@ class Symmetric {
     (*this)(i, i) = 1.0;
   }
 
-  Matrix<N> full() const {
-    Matrix<N> full;
+  Matrix<N, Number> full() const {
+    Matrix<N, Number> full;
     for (int j = 0; j < N; ++j) {
       for (int i = 0; i < N; ++i) full(i, j) = (*this)(i, j);
     }
@@ -43,7 +43,7 @@ class Symmetric {
     return column * (column + 1) / 2 + std::min(i, j);
   }
 
-  std::array<double, N*(N + 1) / 2> entries_;
+  std::array<Number, N*(N + 1) / 2> entries_;
 };
 
 }  // namespace manutec_r3::arm

@@ -1,5 +1,5 @@
 // Vectors and matrices of fixed size: three components of space, or one for each axis; of doubles,
-// or of another kind of number (recorded.hpp).
+// or of another kind of number (numbers/).
 #pragma once
 
 #include <Eigen/Core>
@@ -16,8 +16,8 @@ template <int N, class Number = double>
 using Matrix = Eigen::Matrix<Number, N, N>;
 
 // A vector that somebody else keeps, such as a part of a state: it is not copied.
-template <int N>
-using VectorView = Eigen::Ref<const Vector<N>>;
+template <int N, class Number = double>
+using VectorView = Eigen::Ref<const Vector<N, Number>>;
 
 template <class Number = double>
 Vector<3, Number> as_vector(const Triple& v) {

@@ -57,11 +57,11 @@ Array inverse_dynamics(const Robot& robot, const Array& q, const Array& qd, cons
 // operand, constant), whose inputs are angles, rates and accelerations, and on which line each
 // torque stands.
 py::tuple inverse_dynamics_tape(const Robot& robot) {
-  arm::Tape tape;
+  numbers::Tape tape;
   py::list torques;
   std::visit(
       [&]<int N>(const arm::Mechanism<N>& mechanism) {
-        std::array<arm::Vector<N, arm::Recorded>, 3> inputs;  // q, qd, qdd
+        std::array<arm::Vector<N, numbers::Recorded>, 3> inputs;  // q, qd, qdd
         for (auto& of_axes : inputs) {
           for (auto& number : of_axes) number = tape.input();
         }
@@ -72,9 +72,9 @@ py::tuple inverse_dynamics_tape(const Robot& robot) {
       },
       robot.arm());
   py::list lines;
-  for (const arm::Tape::Line& line : tape.lines()) {
+  for (const numbers::Tape::Line& line : tape.lines()) {
     lines.append(
-        py::make_tuple(arm::name_of(line.operation), line.first, line.second, line.constant));
+        py::make_tuple(numbers::name_of(line.operation), line.first, line.second, line.constant));
   }
   return py::make_tuple(lines, torques);
 }

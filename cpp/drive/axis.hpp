@@ -41,8 +41,9 @@ struct Axes {
   static constexpr std::array<int, 3> states_that_drive_voltage = {tachogenerator_2, filter,
                                                                    controller};
 
-  static ConstView<N> of(const double* x, ElectricalState state) {
-    return ConstView<N>(x + state * N);
+  template <class Number>
+  static ConstView<N, Number> of(const Number* x, ElectricalState state) {
+    return ConstView<N, Number>(x + state * N);
   }
   static View<N> of(double* x, ElectricalState state) { return View<N>(x + state * N); }
 
@@ -60,8 +61,9 @@ struct Axes {
   }
 
   // w + K_S T_0 e - U [V].
-  PerAxis<N> drive_of_voltage(const double* x, const PerAxis<N>& command) const {
-    const PerAxis<N> e =
+  template <class Number>
+  PerAxis<N, Number> drive_of_voltage(const Number* x, const PerAxis<N, Number>& command) const {
+    const PerAxis<N, Number> e =
         rate_controller.rate_error(command, of(x, tachogenerator_2), of(x, filter));
     return rate_controller.drive(e, of(x, controller), of(x, voltage));
   }
@@ -79,7 +81,10 @@ struct Axes {
   static ConstView<N> voltage_of(const double* x) { return of(x, voltage); }
 
   // rF [N m].
-  PerAxis<N> motor_torque(const double* x) const { return motor.NL2(of(x, pt2_torque)); }
+  template <class Number>
+  PerAxis<N, Number> motor_torque(const Number* x) const {
+    return motor.NL2(of(x, pt2_torque));
+  }
 };
 
 }  // namespace manutec_r3::drive

@@ -44,7 +44,9 @@ struct ElasticGear {
     acting_d[axis] = in_contact || damping == GearDamping::parallel ? d[axis] : 0.0;
   }
 
-  PerAxis<E> torque(const PerAxis<E>& delta, const PerAxis<E>& delta_rate) const {
+  template <class Number>
+  PerAxis<E, Number> torque(const PerAxis<E, Number>& delta,
+                            const PerAxis<E, Number>& delta_rate) const {
     return c * NL4(delta) + acting_d * delta_rate;
   }
 

@@ -13,7 +13,7 @@ struct Line {
   PerAxis<N> offset = PerAxis<N>::Zero();
 
   template <class Value>
-  PerAxis<N> operator()(const Value& x) const {
+  PerAxis<N, typename Value::Scalar> operator()(const Value& x) const {
     return gain * x + offset;
   }
 

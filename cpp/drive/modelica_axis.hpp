@@ -35,8 +35,9 @@ struct ModelicaPositionController {
       : r(first<N>(table.gear_ratio)), kp(first<N>(table.kp)) {}
 
   // The rotor rate that is asked for, u + w_m [rad/s].
-  PerAxis<N> command(const PerAxis<N>& q_ref, const PerAxis<N>& qd_ref,
-                     const PerAxis<N>& phi_m) const {
+  template <class Number>
+  PerAxis<N, Number> command(const PerAxis<N, Number>& q_ref, const PerAxis<N, Number>& qd_ref,
+                             const PerAxis<N, Number>& phi_m) const {
     return r * qd_ref + kp * (r * q_ref - phi_m);
   }
 };
@@ -59,8 +60,9 @@ struct ModelicaAxes {
   static constexpr std::array<int, 1> states_that_switch = {modelica_current};
   static constexpr std::array<int, 0> states_that_drive_voltage = {};
 
-  static ConstView<N> of(const double* x, ModelicaState state) {
-    return ConstView<N>(x + state * N);
+  template <class Number>
+  static ConstView<N, Number> of(const Number* x, ModelicaState state) {
+    return ConstView<N, Number>(x + state * N);
   }
   static View<N> of(double* x, ModelicaState state) { return View<N>(x + state * N); }
 
@@ -89,7 +91,10 @@ struct ModelicaAxes {
   static ConstView<N> voltage_of(const double* x) { return of(x, modelica_voltage); }
 
   // rF [N m].
-  PerAxis<N> motor_torque(const double* x) const { return k * of(x, modelica_current); }
+  template <class Number>
+  PerAxis<N, Number> motor_torque(const Number* x) const {
+    return k * of(x, modelica_current);
+  }
 };
 
 }  // namespace manutec_r3::drive

@@ -1,5 +1,5 @@
 // One number for each of N axes: the drives of all axes have the same equations and are evaluated
-// together.
+// together. They are doubles, or of another kind: four abreast (numbers/abreast.hpp).
 #pragma once
 
 #include <Eigen/Core>
@@ -8,14 +8,14 @@
 
 namespace manutec_r3::drive {
 
-template <int N>
-using PerAxis = Eigen::Array<double, N, 1>;
+template <int N, class Number = double>
+using PerAxis = Eigen::Array<Number, N, 1>;
 
-template <int N>
-using ConstView = Eigen::Map<const PerAxis<N>>;
+template <int N, class Number = double>
+using ConstView = Eigen::Map<const PerAxis<N, Number>>;
 
-template <int N>
-using View = Eigen::Map<PerAxis<N>>;
+template <int N, class Number = double>
+using View = Eigen::Map<PerAxis<N, Number>>;
 
 // The first N entries of a row.
 template <int N, std::size_t n>

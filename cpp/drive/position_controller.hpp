@@ -18,7 +18,9 @@ struct PositionController {
       : p(first<N>(table.gear_ratio)), k_v(first<N>(table.K_V)), k_d(first<N>(table.K_D)) {}
 
   // The command u_c [V] to the rate controller.
-  PerAxis<N> command(const PerAxis<N>& aq_d, const PerAxis<N>& aqd_d, const PerAxis<N>& rq) const {
+  template <class Number>
+  PerAxis<N, Number> command(const PerAxis<N, Number>& aq_d, const PerAxis<N, Number>& aqd_d,
+                             const PerAxis<N, Number>& rq) const {
     return k_v * (p * aq_d - rq) + k_d * (p * aqd_d);
   }
 };

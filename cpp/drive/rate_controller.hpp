@@ -46,12 +46,16 @@ struct RateController {
   }
 
   // e from the command u_c, the tachogenerator's voltage u_t and the filter's lag f [V].
-  PerAxis<N> rate_error(const PerAxis<N>& command, ConstView<N> u_t, ConstView<N> f) const {
+  template <class Number>
+  PerAxis<N, Number> rate_error(const PerAxis<N, Number>& command, ConstView<N, Number> u_t,
+                                ConstView<N, Number> f) const {
     return command - (f + Ta_by_Tb * (u_t - f));
   }
 
   // w + K_S T_0 e - U, which moves U, or would if U were not at its limit [V].
-  PerAxis<N> drive(const PerAxis<N>& e, ConstView<N> w, ConstView<N> U) const {
+  template <class Number>
+  PerAxis<N, Number> drive(const PerAxis<N, Number>& e, ConstView<N, Number> w,
+                           ConstView<N, Number> U) const {
     return w + k_s_T0 * e - U;
   }
 

@@ -13,7 +13,7 @@
 namespace manutec_r3::fmu {
 namespace {
 
-constexpr std::string_view signature = "manutec_r3 FMU state 3\n";
+constexpr std::string_view signature = "manutec_r3 FMU state 4\n";
 
 // FNV-1a: http://www.isthe.com/chongo/tech/comp/fnv
 std::uint64_t checksum(std::span<const unsigned char> bytes) {
@@ -158,6 +158,7 @@ void visit(Archive& archive, Snapshot& snapshot) {
   archive(front.n_before);
   archive(front.x);
   archive(front.look.t);
+  archive(front.look.is_glance);
   archive(front.look.z);
   archive(front.look.slope);
   archive(front.event);

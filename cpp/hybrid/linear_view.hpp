@@ -15,7 +15,11 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "numbers/abreast.hpp"
+
 namespace manutec_r3::hybrid {
+
+using numbers::Abreast;
 
 struct LinearBlock {
   std::vector<int> states;   // each state of the system is in one block
@@ -37,12 +41,16 @@ class LinearView {
   virtual void forcing(double t, double* values) = 0;
   virtual void remainder(double t, const double* x, double* values) = 0;
 
+  // The same at four instants at once, which costs little more than at one.
+  virtual void forcing(const Abreast& t, Abreast* values) = 0;
+  virtual void remainder(const Abreast& t, const Abreast* x, Abreast* values) = 0;
   // The system's indicators where it is known more than the watched states: remainders u, of which
   // some tell what else would be expensive.
-  virtual void indicators(double t, const double* x, const double* u, double* values) = 0;
+  virtual void indicators(const Abreast& t, const Abreast* x, const Abreast* u,
+                          Abreast* values) = 0;
   // How fast they change where the watched states change with the rates dx, remainders with du.
-  virtual void indicator_rates(double t, const double* x, const double* dx, const double* u,
-                               const double* du, double* rates) = 0;
+  virtual void indicator_rates(const Abreast& t, const Abreast* x, const Abreast* dx,
+                               const Abreast* u, const Abreast* du, Abreast* rates) = 0;
 
   // Whether inputs are smooth beyond the next time event, as seen from before it.
   virtual bool extends_beyond_events() const = 0;

@@ -29,6 +29,12 @@ constexpr double doubt_at_half = 4.0 / 16.0;
 // that lowers the control point in the middle, which for a cubic is the mean of its two inner ones.
 constexpr double weight_of_doubt = 16.0 / 6.0;
 
+// Nothing times zero is zero, unless it is not finite.
+template <class Values>
+bool all_finite(const Values& values) {
+  return (0.0 * Eigen::ArrayXd::Map(values.data(), values.size())).sum() == 0.0;
+}
+
 }  // namespace
 
 Simulation::Simulation(System& system, Integrator& integrator, double t, std::vector<double> x,
@@ -157,7 +163,7 @@ void Simulation::advance_front() {
   now_.continue_step();
   try {
     integrator_.advance(stop, now_.step, now_.x.data());
-    if (!std::ranges::all_of(now_.x, [](double value) { return std::isfinite(value); })) {
+    if (!all_finite(now_.x)) {
       throw SimulationFailure("the state has grown beyond all bounds");
     }
     look_at_step();
@@ -184,6 +190,7 @@ void Simulation::record_step() {
 }
 
 void Simulation::prepare(Look& look) const {
+  look.is_glance = false;
   look.z.resize(doubt_.size());
   look.slope.resize(doubt_.size());
 }
@@ -206,7 +213,7 @@ double Simulation::indicator_inside(int indicator, double t) {
 }
 
 void Simulation::check_indicators(const Eigen::ArrayXd& z) const {
-  if ((0.0 * z).sum() == 0.0) return;  // nothing times zero is zero, unless it is not finite
+  if (all_finite(z)) return;
   for (int i = 0; i < z.size(); ++i) check_indicator(i, z[i]);
 }
 
@@ -219,57 +226,58 @@ void Simulation::check_indicator(int indicator, double z) const {
 // --- looking for events in a step
 // -----------------------------------------------------------------
 
-// Looks at all instants at which the integrator knows the solution, and closer if need be. How well
-// a cubic from one look to the next but one meets the look between them tells how well cubics from
-// look to look do.
+// Looks at all instants at which the integrator knows the solution, unless a glance at them says
+// that there is nothing to see.
 void Simulation::look_at_step() {
+  const double t1 = now_.step.t1;
+  Look& begin = looks_[0];
+  last_look_ = 0;
+  prepare(now_.look);
+  near_.clear();
+  const bool glanced = integrator_.glance(
+      begin.z.data(), begin.is_glance ? nullptr : begin.slope.data(), now_.look.z.data(), near_);
+  if (glanced && near_.empty()) {
+    now_.look.t = t1;
+    now_.look.is_glance = true;
+    return;
+  }
+  if (begin.is_glance) measure(begin.t, x0_, begin);
   const int n_looks = integrator_.n_looks();
   if (static_cast<int>(looks_.size()) < n_looks + 2) looks_.resize(n_looks + 2);
   for (int k = 0; k < n_looks; ++k) {
-    Look& look = looks_[k + 1];
+    Look& look = looks_[++last_look_];
     prepare(look);
-    look.t = integrator_.look(k, look.z.data());
+    look.t = integrator_.look(k, look.z.data(), look.slope.data());
     check_indicators(look.z);
   }
-  last_look_ = n_looks;
-  if (looks_[n_looks].t < now_.step.t1) {
-    measure(now_.step.t1, now_.x, looks_[++last_look_]);
-  } else {
-    integrator_.look_closer(n_looks - 1, looks_[n_looks].slope.data());
-  }
+  if (looks_[last_look_].t < t1) measure(t1, now_.x, looks_[++last_look_]);
   now_.look = looks_[last_look_];
-  doubt_.setZero();
-  if (last_look_ == 1) return;
-  if (stays_far_from_zero()) {
-    last_look_ = 0;
-    return;
-  }
-  for (int k = 0; k < n_looks && looks_[k + 1].t < now_.step.t1; ++k) {
-    integrator_.look_closer(k, looks_[k + 1].slope.data());
-  }
-  for (std::size_t k = 1; k < last_look_; ++k) {
-    const Look &a = looks_[k - 1], &b = looks_[k], &c = looks_[k + 1];
-    const CubicWeights at(a.t, c.t, b.t);
-    const auto miss = (at(a.z, a.slope, c.z, c.slope) - b.z).abs();
-    doubt_ = doubt_.max(doubt_at_half * miss);
+  if (!glanced) find_near(begin, now_.look);
+  for (const int i : near_) doubt_[i] = doubt_about(i);
+}
+
+// A cubic is nowhere lower than its control points: most indicators need no more.
+void Simulation::find_near(const Look& a, const Look& b) {
+  const double third = (b.t - a.t) / 3.0;
+  const auto ends = a.z.min(b.z);
+  bound_ = (a.z + third * a.slope).min(b.z - third * b.slope).min(ends) - doubtful * ends;
+  if (bound_.minCoeff() > 0.0) return;
+  for (int i = 0; i < bound_.size(); ++i) {
+    if (bound_[i] <= 0.0) near_.push_back(i);
   }
 }
 
-// Whether all indicators stay further from zero than they move in the step, as far as the looks,
-// and the rates at both ends, can tell.
-bool Simulation::stays_far_from_zero() {
-  const Look &begin = looks_[0], &end = looks_[last_look_];
-  const double after = (looks_[1].t - begin.t) / 3.0;
-  const double before = (end.t - looks_[last_look_ - 1].t) / 3.0;
-  const auto near_begin = begin.z + after * begin.slope;
-  const auto near_end = end.z - before * end.slope;
-  low_ = begin.z.min(near_begin).min(near_end);
-  high_ = begin.z.max(near_begin).max(near_end);
-  for (std::size_t k = 1; k <= last_look_; ++k) {
-    low_ = low_.min(looks_[k].z);
-    high_ = high_.max(looks_[k].z);
+// How well a cubic from one look to the next but one meets the look between them tells how well
+// cubics from look to look do.
+double Simulation::doubt_about(int indicator) const {
+  double doubt = 0.0;
+  for (std::size_t k = 1; k < last_look_; ++k) {
+    const Look &a = looks_[k - 1], &b = looks_[k], &c = looks_[k + 1];
+    const double at_b = CubicWeights(a.t, c.t, b.t)(a.z[indicator], a.slope[indicator],
+                                                    c.z[indicator], c.slope[indicator]);
+    doubt = std::max(doubt, doubt_at_half * std::abs(at_b - b.z[indicator]));
   }
-  return (2.0 * low_ - high_).minCoeff() > 0.0;
+  return doubt;
 }
 
 // Cuts the step off at the first event in it, if there is one.
@@ -301,19 +309,13 @@ void Simulation::search_step(double stop) {
 // The first instant between two looks at which indicators leave their domain, which become those
 // that have fired.
 double Simulation::first_event(const Look& a, const Look& b) {
-  // A cubic is nowhere lower than its control points: most indicators need no more.
   const double third = (b.t - a.t) / 3.0;
-  const auto c0 = a.z + third * a.slope;
-  const auto c1 = b.z - third * b.slope;
-  const auto ends = a.z.min(b.z);
-  const auto low = c0.min(c1).min(ends) - doubtful * ends;
-  const auto middle = 0.5 * (c0 + c1) - weight_of_doubt * doubt_;
-  bound_ = low.min(middle);
-  if (bound_.minCoeff() > 0.0) return never;
-
   double first = never;
-  for (int i = 0; i < bound_.size(); ++i) {
-    if (bound_[i] > 0.0) continue;
+  for (const int i : near_) {
+    const double c0 = a.z[i] + third * a.slope[i], c1 = b.z[i] - third * b.slope[i];
+    const double ends = std::min(a.z[i], b.z[i]);
+    const double middle = 0.5 * (c0 + c1) - weight_of_doubt * doubt_[i];
+    if (std::min({c0, c1, ends}) - doubtful * ends > 0.0 && middle > 0.0) continue;
     const Sample at_a{a.t, a.z[i], a.slope[i]}, at_b{b.t, b.z[i], b.slope[i]};
     const Cubic cubic(at_a, at_b);
     double outside = b.t;
@@ -389,6 +391,7 @@ std::optional<Sample> Simulation::dip(int indicator, const Sample& a, const Samp
 
 // Semantics 4: whatever else fires at the end of the step, or so soon that it is the same instant.
 void Simulation::fold_in_simultaneous(const Look& before) {
+  if (now_.look.is_glance) return;
   // Half as much again: what is left out here and found in the next step shall not be within four
   // units because of roundoff.
   const double instant = 1.5 * simultaneous(now_.step.t1);

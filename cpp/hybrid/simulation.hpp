@@ -90,6 +90,7 @@ class Simulation {
   // What the indicators show at an instant, and their rates along the solution.
   struct Look {
     double t = 0.0;
+    bool is_glance = false;  // far from zero: indicators are rough, rates are not known
     Eigen::ArrayXd z, slope;
   };
 
@@ -127,7 +128,8 @@ class Simulation {
   void record_step();
   void search_step(double stop);
   void look_at_step();
-  bool stays_far_from_zero();
+  void find_near(const Look& a, const Look& b);
+  double doubt_about(int indicator) const;
   void prepare(Look& look) const;
   double first_event(const Look& a, const Look& b);
   std::optional<Sample> dip(int indicator, const Sample& a, const Sample& b, double doubt,
@@ -151,9 +153,9 @@ class Simulation {
   std::vector<double> x0_;     // at the beginning of the step
   std::vector<Look> looks_;    // at the step, from its beginning to its end, the last
   std::size_t last_look_ = 0;  // of them
-  Eigen::ArrayXd doubt_;       // about each indicator between two of them
+  std::vector<int> near_;      // indicators that may come near zero in the step
+  Eigen::ArrayXd doubt_;       // about each of them between two looks
   Eigen::ArrayXd bound_;       // what it does not fall below
-  Eigen::ArrayXd low_, high_;  // in the step
   std::vector<double> scratch_x_, scratch_z_, scratch_derivatives_, dip_x_;
   Look dip_look_;
   long restarts_ = 0;

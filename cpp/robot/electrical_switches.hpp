@@ -18,8 +18,8 @@
 namespace manutec_r3::robot {
 
 // Without the controllers and motors of the report.
-template <int N>
-void set_nothing_to_watch(typename Indicators<N>::Watched& values) {
+template <int N, class Watched>
+void set_nothing_to_watch(Watched& values) {
   values[Indicators<N>::of_dead_zone].setZero();
   values[Indicators<N>::of_torque_limit].setZero();
   values[Indicators<N>::of_voltage_limit].setZero();
@@ -37,11 +37,13 @@ class ElectricalSwitches<N, drive::ModelicaAxes<N>> {
   void freeze() {}
   void initialise(const double*, const double*) {}
   void set_indicators(Indicators<N>&) const {}
-  void watch(double, const double*, typename Indicators<N>::Watched& values) const {
+  template <class Number, class Watched>
+  void watch(const Number&, const Number*, Watched& values) const {
     set_nothing_to_watch<N>(values);
   }
-  void watch_rates(double, const double*, const double*, std::span<double>,
-                   typename Indicators<N>::Watched& rates) const {
+  template <class Number, class Watched>
+  void watch_rates(const Number&, const Number*, const Number*, std::span<Number>,
+                   Watched& rates) const {
     set_nothing_to_watch<N>(rates);
   }
   void cross(ElementKind, int, bool, double*, const double*) {}
@@ -100,7 +102,8 @@ class ElectricalSwitches<N, drive::Axes<N>> {
   }
 
   // What they watch.
-  void watch(double t, const double* x, typename Indicators<N>::Watched& values) const {
+  template <class Number, class Watched>
+  void watch(const Number& t, const Number* x, Watched& values) const {
     if (!has_controller_) return set_nothing_to_watch<N>(values);
     values[Indicators<N>::of_dead_zone] = U(x);
     values[Indicators<N>::of_torque_limit] = m(x);
@@ -108,14 +111,15 @@ class ElectricalSwitches<N, drive::Axes<N>> {
   }
 
   // How fast it changes along the derivatives dx.
-  void watch_rates(double t, const double* x, const double* dx, std::span<double> x_soon,
-                   typename Indicators<N>::Watched& rates) const {
+  template <class Number, class Watched>
+  void watch_rates(const Number& t, const Number* x, const Number* dx, std::span<Number> x_soon,
+                   Watched& rates) const {
     if (!has_controller_) return set_nothing_to_watch<N>(rates);
     rates[Indicators<N>::of_dead_zone] = U(dx);
     rates[Indicators<N>::of_torque_limit] = m(dx);
-    const auto drive_rate = [&]() -> PerAxis<N> {
+    const auto drive_rate = [&]() -> PerAxis<N, Number> {
       state_soon(x, dx, static_cast<int>(x_soon.size()), x_soon.data());
-      return (drive_of_voltage(t + soon, x_soon.data()) - drive_of_voltage(t, x)) / soon;
+      return (drive_of_voltage<Number>(t + soon, x_soon.data()) - drive_of_voltage(t, x)) / soon;
     };
     watch_voltage_limit(U(dx), drive_rate, rates);
   }
@@ -145,24 +149,26 @@ class ElectricalSwitches<N, drive::Axes<N>> {
   }
 
  private:
-  ConstView<N> U(const double* x) const {
+  template <class Number>
+  ConstView<N, Number> U(const Number* x) const {
     return Axes::of(equations_.electrical(x), drive::voltage);
   }
-  ConstView<N> m(const double* x) const {
+  template <class Number>
+  ConstView<N, Number> m(const Number* x) const {
     return Axes::of(equations_.electrical(x), drive::pt2_torque);
   }
-  PerAxis<N> drive_of_voltage(double t, const double* x) const {
+  template <class Number>
+  PerAxis<N, Number> drive_of_voltage(const Number& t, const Number* x) const {
     return equations_.axes.drive_of_voltage(equations_.electrical(x), equations_.command(t, x));
   }
 
   // Axes at the limit watch what drives the voltage, the others the voltage itself.
-  template <class Drive>
-  void watch_voltage_limit(const PerAxis<N>& U, const Drive& drive,
-                           typename Indicators<N>::Watched& values) const {
-    PerAxis<N>& watched = values[Indicators<N>::of_voltage_limit];
+  template <class Voltage, class Drive, class Watched>
+  void watch_voltage_limit(const Voltage& U, const Drive& drive, Watched& values) const {
+    auto& watched = values[Indicators<N>::of_voltage_limit];
     watched = U;
     if (!has_axis_at_voltage_limit()) return;
-    const PerAxis<N> of_drive = drive();
+    const auto of_drive = drive();
     for (int i = 0; i < N; ++i) {
       if (mode_.branch(voltage_limit, i) != 0) watched[i] = of_drive[i];
     }

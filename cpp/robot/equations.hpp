@@ -3,7 +3,8 @@
 // Motor side: rF, tau, rM; joint side: aF. Everything here is a function of time and state; what
 // switches is set by the owner in `axes`, `gear`, `friction`, `sticking` and what follows them.
 // `Axes` are the controllers and motors: the report's (drive/axis.hpp) or those of the Modelica
-// variant (drive/modelica_axis.hpp).
+// variant (drive/modelica_axis.hpp). A `Number` is a double, or four abreast (numbers/abreast.hpp):
+// the same equations at four instants at once.
 #pragma once
 
 #include <algorithm>
@@ -81,14 +82,26 @@ class Equations {
 
   // --- views of the state -----------------------------------------------------------------------
 
-  static ConstView<N> q(const double* x) { return ConstView<N>(x); }
-  static ConstView<N> qd(const double* x) { return ConstView<N>(x + N); }
-  ConstView<E> deflection(const double* x) const { return ConstView<E>(x + deflection_state_); }
-  ConstView<E> elastic_rotor_rate(const double* x) const {
-    return ConstView<E>(x + deflection_state_ + E);
+  template <class Number>
+  static ConstView<N, Number> q(const Number* x) {
+    return ConstView<N, Number>(x);
   }
-  const double* electrical(const double* x) const { return x + electrical_state_; }
-  double* electrical(double* x) const { return x + electrical_state_; }
+  template <class Number>
+  static ConstView<N, Number> qd(const Number* x) {
+    return ConstView<N, Number>(x + N);
+  }
+  template <class Number>
+  ConstView<E, Number> deflection(const Number* x) const {
+    return ConstView<E, Number>(x + deflection_state_);
+  }
+  template <class Number>
+  ConstView<E, Number> elastic_rotor_rate(const Number* x) const {
+    return ConstView<E, Number>(x + deflection_state_ + E);
+  }
+  template <class Number>
+  Number* electrical(Number* x) const {
+    return x + electrical_state_;
+  }
 
   // The state that comes to rest when an axis sticks: the rate of its rotor, or of its joint.
   int index_of_rate(int axis) const {
@@ -96,53 +109,62 @@ class Equations {
   }
 
   // rq and rq': with rigid gears p times the joint's (spec 2).
-  PerAxis<N> rotor_angle(const double* x) const {
-    PerAxis<N> rq = p * q(x);
+  template <class Number>
+  PerAxis<N, Number> rotor_angle(const Number* x) const {
+    PerAxis<N, Number> rq = p * q(x);
     if (elastic_) rq.template head<E>() += deflection(x);
     return rq;
   }
-  PerAxis<N> rotor_rate(const double* x) const {
-    PerAxis<N> rqd = p * qd(x);
+  template <class Number>
+  PerAxis<N, Number> rotor_rate(const Number* x) const {
+    PerAxis<N, Number> rqd = p * qd(x);
     if (elastic_) rqd.template head<E>() = elastic_rotor_rate(x);
     return rqd;
   }
-  PerAxis<E> deflection_rate(const double* x) const {
+  template <class Number>
+  PerAxis<E, Number> deflection_rate(const Number* x) const {
     return elastic_rotor_rate(x) - p.template head<E>() * qd(x).template head<E>();
   }
 
   // --- command and torques ----------------------------------------------------------------------
 
   // The output of the position controllers, evaluated now.
-  PerAxis<N> command_from_motion(double t, const double* x) const {
-    std::array<motion::Reference, N> desired;
-    inputs_.motion->reference(motion_piece, t, desired);
-    PerAxis<N> aq_d, aqd_d;
-    for (int i = 0; i < N; ++i) {
-      aq_d[i] = desired[i].angle;
-      aqd_d[i] = desired[i].rate;
-    }
-    return axes.position_controller.command(aq_d, aqd_d, rotor_angle(x));
+  template <class Number>
+  PerAxis<N, Number> command_from_motion(const Number& t, const PerAxis<N, Number>& rq) const {
+    const auto desired = at_each_instant<2 * N>(t, [&](double instant, double* values) {
+      std::array<motion::Reference, N> references;
+      inputs_.motion->reference(motion_piece, instant, references);
+      for (int i = 0; i < N; ++i) {
+        values[i] = references[i].angle;
+        values[N + i] = references[i].rate;
+      }
+    });
+    const PerAxis<N, Number> aq_d = desired.template head<N>(), aqd_d = desired.template tail<N>();
+    return axes.position_controller.command(aq_d, aqd_d, rq);
   }
 
-  // What the rate controllers get: from the position controllers now, or held.
-  PerAxis<N> command(double t, const double* x) const {
-    return follows_motion_ ? command_from_motion(t, x) : input(t);
+  // What comes from outside the rate controllers, or the motors if there are none: from the
+  // position controllers now, or held; or rF.
+  template <class Number>
+  PerAxis<N, Number> command_or_torque(const Number& t, const PerAxis<N, Number>& rq) const {
+    return follows_motion_ ? command_from_motion(t, rq) : input(t);
   }
-  // The same from a reference at zero: what the rotors contribute.
+  template <class Number>
+  PerAxis<N, Number> command(const Number& t, const Number* x) const {
+    return command_or_torque(t, rotor_angle(x));
+  }
+  // The command from a reference at zero: what the rotors contribute.
   PerAxis<N> command_from_rotors(const double* x) const {
     const PerAxis<N> zero = PerAxis<N>::Zero();
     if (!follows_motion_) return zero;
     return axes.position_controller.command(zero, zero, rotor_angle(x));
   }
-  // What comes from outside the drives: the command, or rF without a controller.
-  PerAxis<N> command_or_torque(double t, const double* x) const {
-    return controlled_ ? command(t, x) : input(t);
-  }
 
+  template <class Number>
   struct Torques {
-    PerAxis<N> motor;     // rF
-    PerAxis<N> gear;      // tau, or rF - rM with rigid gears
-    PerAxis<N> friction;  // rM; of sticking axes not known before accelerations, if coupled
+    PerAxis<N, Number> motor;     // rF
+    PerAxis<N, Number> gear;      // tau, or rF - rM with rigid gears
+    PerAxis<N, Number> friction;  // rM; of sticking axes not known before accelerations, if coupled
   };
 
   // rF of controlled motors; zero without a controller.
@@ -150,17 +172,20 @@ class Equations {
     return controlled_ ? axes.motor_torque(electrical(x)) : PerAxis<N>::Zero();
   }
 
-  Torques torques(double t, const double* x) const {
-    return torques_with(controlled_ ? axes.motor_torque(electrical(x)) : input(t), x);
+  template <class Number>
+  Torques<Number> torques(const Number& t, const Number* x) const {
+    return torques_with<Number>(controlled_ ? axes.motor_torque(electrical(x)) : input(t), x);
   }
-  Torques torques_with(const PerAxis<N>& motor, const double* x) const {
-    Torques torques;
+  template <class Number>
+  Torques<Number> torques_with(const PerAxis<N, Number>& motor, const Number* x) const {
+    Torques<Number> torques;
     torques.motor = motor;
     torques.friction = friction(rotor_rate(x));
     if (springs_hold) torques.friction += spring_stiffness * (rotor_angle(x) - spring_rest);
     torques.gear = torques.motor - torques.friction;
     if (elastic_) {
-      torques.gear.template head<E>() = gear.torque(deflection(x), deflection_rate(x));
+      const PerAxis<E, Number> delta = deflection(x);
+      torques.gear.template head<E>() = gear.torque(delta, deflection_rate(x));
       for (int j = 0; j < E; ++j) {
         if (sticking[j]) torques.friction[j] = torques.motor[j] - torques.gear[j];
       }
@@ -173,17 +198,20 @@ class Equations {
   // Spec 6: aaM aq'' + arM rq'' + bias = aF for the joints, and for rotors behind elastic gears
   // that the arms carry, arM^T aq'' + rJ (rq'' + drift) = rF - tau - rM. Gyroscopic torques and a
   // force on the tip are part of the bias.
+  template <class Number>
   struct Dynamics {
-    arm::EquationsOfMotion<N> arms;   // M is aaM
-    Eigen::Matrix<double, N, E> arM;  // this and drift: only where rotors are carried
-    arm::Vector<E> drift;             // <rn_j, w'_{j-1}> at aq'' = 0
+    arm::EquationsOfMotion<N, Number> arms;  // M is aaM
+    Eigen::Matrix<Number, N, E> arM;         // this and drift: only where rotors are carried
+    arm::Vector<E, Number> drift;            // <rn_j, w'_{j-1}> at aq'' = 0
   };
 
-  Dynamics dynamics(double t, const double* x) const {
-    const Eigen::Map<const arm::Vector<N>> angle(x), rate(x + N);
-    Dynamics dynamics = {arm::equations_of_motion<N>(mechanism_, angle, rate), {}, {}};
+  template <class Number>
+  Dynamics<Number> dynamics(const Number& t, const Number* x) const {
+    const Eigen::Map<const arm::Vector<N, Number>> angle(x), rate(x + N);
+    Dynamics<Number> dynamics = {
+        arm::equations_of_motion<N, Number>(mechanism_, angle, rate), {}, {}};
     if (any_carried_) {
-      const arm::CarriedRotors<N> rotors = arm::carried_rotors<N>(mechanism_, angle, rate);
+      const auto rotors = arm::carried_rotors<N, Number>(mechanism_, angle, rate);
       for (int j = 0; j < E; ++j) {
         const double inertia = carried_[j] ? rJ[j] : 0.0;
         dynamics.arM.col(j) = inertia * rotors.projection.col(j);
@@ -192,26 +220,30 @@ class Equations {
       }
     }
     if (tip_is_pulled()) {
-      dynamics.arms.bias -= arm::torques_of_force_on_load<N>(robot_.tables().table_3, robot_.load(),
-                                                             angle, tip_force(t));
+      dynamics.arms.bias -= arm::torques_of_force_on_load<N, Number>(
+          robot_.tables().table_3, robot_.load(), angle, tip_force(t));
     }
     return dynamics;
   }
 
+  template <class Number>
   struct Accelerations {
-    arm::Vector<N> joint;  // aq''
-    arm::Vector<E> rotor;  // rq'' of rotors behind elastic gears
+    arm::Vector<N, Number> joint;  // aq''
+    arm::Vector<E, Number> rotor;  // rq'' of rotors behind elastic gears
   };
 
   // Axes that stick have exactly no acceleration; the others are solved for with these prescribed
   // (spec 5.3).
-  Accelerations accelerations(const Dynamics& dynamics, const Torques& torques) const {
-    const PerAxis<E> drive = (torques.motor - torques.gear - torques.friction).template head<E>();
-    const arm::Vector<N> right = (p * torques.gear).matrix() - dynamics.arms.bias;
-    Accelerations result = {any_carried_ || any_joint_sticks()
-                                ? constrained_joint_accelerations(dynamics, drive, right)
-                                : arm::solution(dynamics.arms.M, right),
-                            {}};
+  template <class Number>
+  Accelerations<Number> accelerations(const Dynamics<Number>& dynamics,
+                                      const Torques<Number>& torques) const {
+    const PerAxis<E, Number> drive =
+        (torques.motor - torques.gear - torques.friction).template head<E>();
+    const arm::Vector<N, Number> right = (p * torques.gear).matrix() - dynamics.arms.bias;
+    Accelerations<Number> result = {any_carried_ || any_joint_sticks()
+                                        ? constrained_joint_accelerations(dynamics, drive, right)
+                                        : arm::solution(dynamics.arms.M, right),
+                                    {}};
     if (!elastic_) return result;
     for (int j = 0; j < E; ++j) {
       result.rotor[j] = drive[j] / rJ[j];
@@ -224,31 +256,34 @@ class Equations {
   }
 
   // rM of a sticking axis that others act on at once.
-  double held_friction(int axis, const Dynamics& dynamics, const Torques& torques,
-                       const Accelerations& a) const {
+  template <class Number>
+  Number held_friction(int axis, const Dynamics<Number>& dynamics, const Torques<Number>& torques,
+                       const Accelerations<Number>& a) const {
     if (is_elastic(axis)) {
       return torques.motor[axis] - torques.gear[axis] - dynamics.arM.col(axis).dot(a.joint) -
              rJ[axis] * dynamics.drift[axis];
     }
     // The joint takes from the gear what the arms take from the joint.
-    double aF = dynamics.arms.bias[axis];
+    Number aF = dynamics.arms.bias[axis];
     for (int j = 0; j < N; ++j) aF += dynamics.arms.M(axis, j) * a.joint[j];
     if (any_carried_) aF += dynamics.arM.row(axis).dot(a.rotor);
     return torques.motor[axis] - aF / p[axis];
   }
 
   // Torques and accelerations, friction of all sticking axes included.
+  template <class Number>
   struct Mechanics {
-    Torques torques;
-    PerAxis<N> joint_acceleration;
+    Torques<Number> torques;
+    PerAxis<N, Number> joint_acceleration;
   };
 
-  Mechanics mechanics(double t, const double* x) const {
-    const Dynamics dynamics = this->dynamics(t, x);
-    Mechanics result;
-    Torques& torques = result.torques;
+  template <class Number>
+  Mechanics<Number> mechanics(const Number& t, const Number* x) const {
+    const Dynamics<Number> dynamics = this->dynamics(t, x);
+    Mechanics<Number> result;
+    Torques<Number>& torques = result.torques;
     torques = this->torques(t, x);
-    const Accelerations a = accelerations(dynamics, torques);
+    const Accelerations<Number> a = accelerations(dynamics, torques);
     result.joint_acceleration = a.joint.array();
     for (int i = 0; i < N; ++i) {
       if (!sticking[i] || !is_coupled(i)) continue;
@@ -292,9 +327,9 @@ class Equations {
   // Flattened into one function, which spares copies of everything that goes from one part to
   // another.
   [[gnu::flatten]] void derivatives(double t, const double* x, double* dx) const {
-    const Torques torques = this->torques(t, x);
+    const Torques<double> torques = this->torques(t, x);
     const PerAxis<N> rotor_rate = this->rotor_rate(x);
-    const Accelerations a = accelerations(dynamics(t, x), torques);
+    const Accelerations<double> a = accelerations(dynamics(t, x), torques);
     View<N>{dx} = qd(x);
     View<N>{dx + N} = a.joint.array();
     if (elastic_) {
@@ -314,12 +349,14 @@ class Equations {
 
   // Of M aq'' + arM rq'' = right, with `drive` for the rotors that the arms carry: these are
   // eliminated, rq'' = drive / rJ - drift - arM^T aq'' / rJ, and joints that stick are left alone.
-  arm::Vector<N> constrained_joint_accelerations(const Dynamics& dynamics, const PerAxis<E>& drive,
-                                                 arm::Vector<N> right) const {
-    arm::Symmetric<N> M = dynamics.arms.M;
+  template <class Number>
+  arm::Vector<N, Number> constrained_joint_accelerations(const Dynamics<Number>& dynamics,
+                                                         const PerAxis<E, Number>& drive,
+                                                         arm::Vector<N, Number> right) const {
+    arm::Symmetric<N, Number> M = dynamics.arms.M;
     for (int j = 0; j < E; ++j) {
       if (!carried_[j] || sticking[j]) continue;
-      const arm::Vector<N> arM = dynamics.arM.col(j);
+      const arm::Vector<N, Number> arM = dynamics.arM.col(j);
       M.subtract_square(arM, rJ[j]);
       right -= arM * (drive[j] / rJ[j] - dynamics.drift[j]);
     }
@@ -328,26 +365,45 @@ class Equations {
       M.decouple(i);
       right[i] = 0.0;
     }
-    arm::Vector<N> joint = arm::solution(M, right);
+    arm::Vector<N, Number> joint = arm::solution(M, right);
     for (int i = n_elastic(); i < N; ++i) {
       if (sticking[i]) joint[i] = 0.0;
     }
     return joint;
   }
 
+  // Of time alone: what writes n values at an instant, at each of those that a Number is.
+  template <int n, class Number, class Function>
+  static PerAxis<n, Number> at_each_instant(const Number& t, const Function& function) {
+    constexpr int size = numbers::n_abreast<Number>;
+    std::array<double, size> instants;
+    numbers::store(t, instants.data());
+    Eigen::Array<double, size, n> values;
+    for (int k = 0; k < size; ++k) {
+      PerAxis<n> at_instant;
+      function(instants[k], at_instant.data());
+      values.row(k) = at_instant;
+    }
+    PerAxis<n, Number> numbers;
+    for (int i = 0; i < n; ++i) numbers[i] = numbers::load<Number>(values.col(i).data());
+    return numbers;
+  }
+
   // u_c [V], or rF [N m] without a controller: held, or a function of time.
-  PerAxis<N> input(double t) const {
-    if (!inputs_.of_axes) return held_input;
-    PerAxis<N> values;
-    inputs_.of_axes->evaluate(input_piece, t, values.data());
-    return values;
+  template <class Number>
+  PerAxis<N, Number> input(const Number& t) const {
+    if (!inputs_.of_axes) return held_input.template cast<Number>();
+    return at_each_instant<N>(t, [&](double instant, double* values) {
+      inputs_.of_axes->evaluate(input_piece, instant, values);
+    });
   }
   bool tip_is_pulled() const { return inputs_.tip_force || (held_tip_force.array() != 0.0).any(); }
-  arm::Vector<3> tip_force(double t) const {
-    if (!inputs_.tip_force) return held_tip_force;
-    arm::Vector<3> force;
-    inputs_.tip_force->evaluate(force_piece, t, force.data());
-    return force;
+  template <class Number>
+  arm::Vector<3, Number> tip_force(const Number& t) const {
+    if (!inputs_.tip_force) return held_tip_force.template cast<Number>();
+    return at_each_instant<3>(t, [&](double instant, double* force) {
+      inputs_.tip_force->evaluate(force_piece, instant, force);
+    });
   }
 
   const Robot& robot_;

@@ -107,7 +107,7 @@ class FrictionDecision {
 
   void decide_one_by_one(double t, double* x, const Occasion& occasion,
                          const std::array<bool, N>& stuck) {
-    const typename Equations<N, Axes>::Torques torques = equations_.torques(t, x);
+    const auto torques = equations_.torques(t, x);
     for (int i = 0; i < N; ++i) {
       if (equations_.is_coupled(i) || !has_friction(i)) continue;
       const double driving = torques.motor[i] - torques.gear[i];  // rF - tau
@@ -139,7 +139,7 @@ class FrictionDecision {
     if (resting.empty()) return;
 
     // Without friction on the resting axes.
-    typename Equations<N, Axes>::Torques torques = equations_.torques(t, x);
+    auto torques = equations_.torques(t, x);
     for (const int i : resting) {
       torques.friction[i] = 0.0;
       if (!equations_.is_elastic(i)) torques.gear[i] = torques.motor[i];

@@ -26,7 +26,9 @@ class Indicators {
     of_voltage_limit,   // U, at its limit what drives it
     n_rows
   };
-  using Watched = std::array<drive::PerAxis<N>, n_rows>;
+  template <class Number>
+  using WatchedOf = std::array<drive::PerAxis<N, Number>, n_rows>;
+  using Watched = WatchedOf<double>;
 
   enum Edge { upper, lower, n_edges };
 
@@ -69,14 +71,24 @@ class Indicators {
     }
   }
 
-  void evaluate(const Watched& values, double* z) const {
-    for (int row = 0; row < n_rows_; ++row, z += Pairs::SizeAtCompileTime) {
-      Eigen::Map<Pairs>{z} = gain_[row].rowwise() * values[row].transpose() + offset_[row];
+  template <class Number>
+  void evaluate(const WatchedOf<Number>& values, Number* z) const {
+    for (int row = 0; row < n_rows_; ++row) {
+      for (int axis = 0; axis < N; ++axis) {
+        const Number& value = values[row][axis];
+        for (int edge = 0; edge < n_edges; ++edge) {
+          *z++ = gain_[row](edge, axis) * value + offset_[row](edge, axis);
+        }
+      }
     }
   }
-  void evaluate_rates(const Watched& value_rates, double* rates) const {
-    for (int row = 0; row < n_rows_; ++row, rates += Pairs::SizeAtCompileTime) {
-      Eigen::Map<Pairs>{rates} = gain_[row].rowwise() * value_rates[row].transpose();
+  template <class Number>
+  void evaluate_rates(const WatchedOf<Number>& value_rates, Number* rates) const {
+    for (int row = 0; row < n_rows_; ++row) {
+      for (int axis = 0; axis < N; ++axis) {
+        const Number& rate = value_rates[row][axis];
+        for (int edge = 0; edge < n_edges; ++edge) *rates++ = gain_[row](edge, axis) * rate;
+      }
     }
   }
 

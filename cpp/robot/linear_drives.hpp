@@ -12,11 +12,9 @@
 // different loads have blocks in common; it is chosen anew at every event.
 #pragma once
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <vector>
 
 #include "hybrid/linear_view.hpp"
@@ -42,7 +40,12 @@ class LinearDrives {
         mode_(mode),
         n_electrical_((robot.n_states() - 2 * N - 2 * equations.n_elastic()) / N),
         zero_(robot.n_states(), 0.0),
-        rates_(robot.n_states()) {}
+        rates_(robot.n_states()) {
+    for (int i = 0; i < N; ++i) {
+      const std::vector<int> of_axis = states_with_constants(i);
+      states_with_constants_.insert(states_with_constants_.end(), of_axis.begin(), of_axis.end());
+    }
+  }
 
   // Reads A from the mode. An elastic gear moves its joint slowly: no A.
   void freeze() {
@@ -53,30 +56,29 @@ class LinearDrives {
   }
 
   const hybrid::LinearBlock& block(int axis) {
-    const auto [place, is_new] = blocks_[axis].try_emplace(key(axis));
-    if (is_new) place->second = make_block(axis);
-    return place->second;
+    return robot_.linear_blocks().find_or(axis, key(axis), [&] { return make_block(axis); });
   }
 
   // Where the drives' equations are not zero at zero state: edges of NL1 in m'', edges of NL2 and
   // NL4 and dry friction in the acceleration of the rotor.
   void constants(double* values) {
     drive_rates(zero_.data(), PerAxis<N>::Zero(), PerAxis<N>::Zero(), rates_.data());
-    for (int i = 0; i < N; ++i) {
-      for (const int state : states_with_constants(i)) *values++ = rates_[state];
-    }
+    for (const int state : states_with_constants_) *values++ = rates_[state];
   }
 
   // The command at the reference, as if the rotors were at zero; or the motor torques.
-  void forcing(double t, double* values) const {
-    drive::View<N>{values} = equations_.command_or_torque(t, zero_.data());
+  template <class Number>
+  void forcing(const Number& t, Number* values) const {
+    drive::View<N, Number>{values} =
+        equations_.command_or_torque(t, PerAxis<N, Number>::Zero().eval());
   }
 
   // Of what sticks it is the friction that holds it, which moves nothing.
-  void remainder(double t, const double* x, double* values) const {
-    const typename OfEquations::Torques torques = equations_.torques(t, x);
-    const typename OfEquations::Dynamics dynamics = equations_.dynamics(t, x);
-    const typename OfEquations::Accelerations a = equations_.accelerations(dynamics, torques);
+  template <class Number>
+  void remainder(const Number& t, const Number* x, Number* values) const {
+    const auto torques = equations_.torques(t, x);
+    const auto dynamics = equations_.dynamics(t, x);
+    const auto a = equations_.accelerations(dynamics, torques);
     for (int i = 0; i < N; ++i) {
       if (holds(i)) {
         *values++ = equations_.held_friction(i, dynamics, torques, a);
@@ -87,14 +89,15 @@ class LinearDrives {
       if (equations_.sticking[i]) {
         *values++ = equations_.held_friction(i, dynamics, torques, a);
       } else {
-        const double drive = torques.motor[i] - torques.gear[i] - torques.friction[i];
+        const Number drive = torques.motor[i] - torques.gear[i] - torques.friction[i];
         *values++ = a.rotor[i] - drive / equations_.rJ[i];
       }
     }
   }
 
   // What a remainder, or its rate, says of the friction of coupled axes that stick.
-  void read_held_friction(const double* remainder, PerAxis<N>& friction) const {
+  template <class Number>
+  void read_held_friction(const Number* remainder, PerAxis<N, Number>& friction) const {
     for (int i = 0; i < N; ++i) {
       if (holds(i)) friction[i] = *remainder;
       ++remainder;
@@ -112,9 +115,10 @@ class LinearDrives {
 
   // Chooses A for the rigid axes of a state.
   void choose_inertias(double t, const double* x, Mode<N>& mode) {
-    const arm::Matrix<N> inverse = equations_.dynamics(t, x).arms.M.full().inverse();
+    const arm::Symmetric<N> M = equations_.dynamics(t, x).arms.M;
     for (int i = equations_.n_elastic(); i < N; ++i) {
-      const double octaves = -std::log2(inverse(i, i));
+      const arm::Vector<N> a = arm::solution(M, arm::Vector<N>::Unit(i).eval());
+      const double octaves = -std::log2(a[i]);
       mode.set(Mode<N>::inertia, i, static_cast<int>(std::lround(inertias_per_octave * octaves)));
     }
     freeze();
@@ -184,7 +188,7 @@ class LinearDrives {
   void drive_rates(const double* x, const PerAxis<N>& command, const PerAxis<N>& torque,
                    double* dx) const {
     const PerAxis<N> motor = equations_.motor_torque_from(x) + torque;
-    const typename OfEquations::Torques torques = equations_.torques_with(motor, x);
+    const auto torques = equations_.torques_with(motor, x);
     drive::View<N>{dx} = equations_.qd(x);
     for (int i = 0; i < N; ++i) {
       dx[N + i] = holds(i) ? 0.0 : p_by_A_[i] * torques.gear[i];
@@ -257,7 +261,7 @@ class LinearDrives {
   const Mode<N>& mode_;
   int n_electrical_;                        // states of an axis
   PerAxis<N> p_by_A_ = PerAxis<N>::Zero();  // of rigid gears
-  std::array<std::map<std::uint64_t, hybrid::LinearBlock>, N> blocks_;
+  std::vector<int> states_with_constants_;
   std::vector<double> zero_;   // a state
   std::vector<double> rates_;  // scratch
 };

@@ -2,6 +2,7 @@
 // Modelica ones, with its load, its options and its tables.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,6 +14,7 @@
 #include "drive/parameters.hpp"
 #include "motion/motion.hpp"
 #include "robot/elements.hpp"
+#include "robot/linear_blocks.hpp"
 #include "robot/options.hpp"
 #include "robot/tables.hpp"
 
@@ -85,6 +87,9 @@ class Robot {
   // The arm as the models' equations see it: rotors behind elastic gears are separate.
   const AnyMechanism& arm_behind_gears() const { return arm_behind_gears_; }
 
+  // What its runs leave to each other; nothing that can be seen from outside.
+  LinearBlocks& linear_blocks() const { return *linear_blocks_; }
+
  private:
   void name_states();
   void name_indicators();
@@ -96,6 +101,7 @@ class Robot {
   std::vector<StateGroup> states_;
   std::vector<IndicatorGroup> indicators_;
   AnyMechanism arm_, arm_behind_gears_;
+  std::shared_ptr<LinearBlocks> linear_blocks_ = std::make_shared<LinearBlocks>();
 };
 
 // Refuses a motion that the robot cannot follow: as many axes as the robot has; with 3 axes also a

@@ -36,6 +36,9 @@ inline bool has_come(double instant, double t) {
 template <int N, class Axes>
 class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
   using Indicators = robot::Indicators<N>;
+  using Abreast = numbers::Abreast;
+  template <class Number>
+  using WatchedOf = typename Indicators::template WatchedOf<Number>;
 
  public:
   RobotSystemOf(std::shared_ptr<const Robot> robot, const Axes& axes, Inputs inputs)
@@ -54,6 +57,7 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
     }
     scratch_.resize(robot_->n_states());
     x_soon_.resize(robot_->n_states());
+    x_abreast_.resize(robot_->n_states());
     freeze();
   }
 
@@ -83,33 +87,17 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
   void indicator_rates(double t, const double* x, const double* dx, double* rates) override {
     PerAxis<N> held_rate = PerAxis<N>::Zero();
     if (some_axis_sticks()) {
-      state_soon(x, dx, n_states(), x_soon_.data());
-      held_rate = (friction_torque(t + soon, x_soon_.data()) - friction_torque(t, x)) / soon;
+      // Now and soon abreast.
+      Abreast times = t;
+      times[1] = t + soon;
+      for (int s = 0; s < n_states(); ++s) {
+        x_abreast_[s] = x[s];
+        x_abreast_[s][1] = x[s] + soon * dx[s];
+      }
+      const PerAxis<N, Abreast> held = friction_torque<Abreast>(times, x_abreast_.data());
+      for (int i = 0; i < N; ++i) held_rate[i] = (held[i][1] - held[i][0]) / soon;
     }
-    indicators_.evaluate_rates(watched_rates(t, x, dx, held_rate), rates);
-  }
-
-  // The remainder of what sticks is the friction that holds it.
-  void indicators(double t, const double* x, const double* u, double* z) override {
-    PerAxis<N> held = PerAxis<N>::Zero();
-    if (some_axis_sticks()) {
-      held = equations_.torques(t, x).friction;
-      linear_drives_.read_held_friction(u, held);
-    }
-    indicators_.evaluate(watched(t, x, held), z);
-  }
-
-  void indicator_rates(double t, const double* x, const double* dx, const double*, const double* du,
-                       double* rates) override {
-    PerAxis<N> held_rate = PerAxis<N>::Zero();
-    if (some_axis_sticks()) {
-      state_soon(x, dx, n_states(), x_soon_.data());
-      held_rate = (equations_.torques(t + soon, x_soon_.data()).friction -
-                   equations_.torques(t, x).friction) /
-                  soon;
-      linear_drives_.read_held_friction(du, held_rate);
-    }
-    indicators_.evaluate_rates(watched_rates(t, x, dx, held_rate), rates);
+    indicators_.evaluate_rates(watched_rates<double>(t, x, dx, held_rate, x_soon_), rates);
   }
 
   hybrid::Element element_of(int indicator) const override {
@@ -216,8 +204,36 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
   const hybrid::LinearBlock& block(int axis) override { return linear_drives_.block(axis); }
   void constants(double* values) override { linear_drives_.constants(values); }
   void forcing(double t, double* values) override { linear_drives_.forcing(t, values); }
+  void forcing(const Abreast& t, Abreast* values) override { linear_drives_.forcing(t, values); }
   void remainder(double t, const double* x, double* values) override {
     linear_drives_.remainder(t, x, values);
+  }
+  void remainder(const Abreast& t, const Abreast* x, Abreast* values) override {
+    linear_drives_.remainder(t, x, values);
+  }
+
+  // The remainder of what sticks is the friction that holds it.
+  void indicators(const Abreast& t, const Abreast* x, const Abreast* u, Abreast* z) override {
+    PerAxis<N, Abreast> held = PerAxis<N, Abreast>::Zero();
+    if (some_axis_sticks()) {
+      held = equations_.torques(t, x).friction;
+      linear_drives_.read_held_friction(u, held);
+    }
+    indicators_.evaluate(watched(t, x, held), z);
+  }
+
+  void indicator_rates(const Abreast& t, const Abreast* x, const Abreast* dx, const Abreast*,
+                       const Abreast* du, Abreast* rates) override {
+    PerAxis<N, Abreast> held_rate = PerAxis<N, Abreast>::Zero();
+    if (some_axis_sticks()) {
+      state_soon(x, dx, n_states(), x_abreast_.data());
+      const Abreast* x_soon = x_abreast_.data();
+      held_rate =
+          (equations_.torques(t + soon, x_soon).friction - equations_.torques(t, x).friction) /
+          soon;
+      linear_drives_.read_held_friction(du, held_rate);
+    }
+    indicators_.evaluate_rates(watched_rates<Abreast>(t, x, dx, held_rate, x_abreast_), rates);
   }
   bool extends_beyond_events() const override { return linear_drives_.extends_beyond_events(); }
 
@@ -378,33 +394,38 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
   // controllers make of them (spec 4).
   void take_sample(double t, const double* x) {
     equations_.motion_piece = mode_.counter(Mode<N>::motion_piece);
-    mode_.input() = equations_.command_from_motion(t, x);
+    mode_.input() = equations_.command_from_motion(t, equations_.rotor_angle(x));
   }
 
   // --- crossings --------------------------------------------------------------------------------
 
   // What indicators watch. `held` is the friction torque of axes that stick.
-  typename Indicators::Watched watched(double t, const double* x, const PerAxis<N>& held) const {
-    typename Indicators::Watched values;
+  template <class Number>
+  WatchedOf<Number> watched(const Number& t, const Number* x,
+                            const PerAxis<N, Number>& held) const {
+    WatchedOf<Number> values;
     electrical_.watch(t, x, values);
     return watch_gears(x, held, values);
   }
 
   // How fast it changes along the derivatives dx.
-  typename Indicators::Watched watched_rates(double t, const double* x, const double* dx,
-                                             const PerAxis<N>& held_rate) {
-    typename Indicators::Watched rates;
-    electrical_.watch_rates(t, x, dx, x_soon_, rates);
+  template <class Number>
+  WatchedOf<Number> watched_rates(const Number& t, const Number* x, const Number* dx,
+                                  const PerAxis<N, Number>& held_rate,
+                                  std::span<Number> x_soon) const {
+    WatchedOf<Number> rates;
+    electrical_.watch_rates(t, x, dx, x_soon, rates);
     return watch_gears(dx, held_rate, rates);  // linear in x
   }
 
-  typename Indicators::Watched& watch_gears(const double* x, const PerAxis<N>& held,
-                                            typename Indicators::Watched& values) const {
+  template <class Number>
+  WatchedOf<Number>& watch_gears(const Number* x, const PerAxis<N, Number>& held,
+                                 WatchedOf<Number>& values) const {
     values[Indicators::of_backlash].setZero();
     if (robot_->has_real_gears()) {
       values[Indicators::of_backlash].template head<E>() = equations_.deflection(x);
     }
-    const PerAxis<N> rate = equations_.rotor_rate(x);
+    const PerAxis<N, Number> rate = equations_.rotor_rate(x);
     values[Indicators::of_friction] = slides_.select(rate, held);
     values[Indicators::of_friction_piece] = rate;
     values[Indicators::of_creep] = rate;
@@ -502,7 +523,8 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
   }
 
   // rM, with the friction that holds sticking axes.
-  PerAxis<N> friction_torque(double t, const double* x) const {
+  template <class Number>
+  PerAxis<N, Number> friction_torque(const Number& t, const Number* x) const {
     for (int i = 0; i < N; ++i) {
       if (equations_.sticking[i] && equations_.is_coupled(i)) {
         return equations_.mechanics(t, x).torques.friction;
@@ -541,6 +563,7 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
   double sampling_time_ = 0.0;
   std::vector<double> nominals_;
   std::vector<double> scratch_, x_soon_;
+  std::vector<Abreast> x_abreast_;
 };
 
 }  // namespace manutec_r3::robot

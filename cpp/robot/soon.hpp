@@ -7,7 +7,8 @@ namespace manutec_r3::robot {
 inline constexpr double soon = 1e-7;
 
 // Where a state x with the rates dx is by then.
-inline void state_soon(const double* x, const double* dx, int n_states, double* x_soon) {
+template <class Number>
+void state_soon(const Number* x, const Number* dx, int n_states, Number* x_soon) {
   for (int s = 0; s < n_states; ++s) x_soon[s] = x[s] + soon * dx[s];
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <stdexcept>
 
 #include "hybrid/crossing.hpp"
@@ -50,21 +51,29 @@ ExponentialCollocation::ExponentialCollocation(hybrid::System& system, double re
       inside_(blocks_),
       x_(system.n_states()),
       matrices_(blocks_.size()),
-      coefficients_(blocks_.n_coefficients()),
-      nominals_(Eigen::ArrayXd::Zero(blocks_.n_coefficients())),
+      coefficients_(blocks_.n_coefficients() + most_states),
+      nominals_(blocks_.size(), OfStates::Constant(std::numeric_limits<double>::infinity())),
+      by_tolerance_(blocks_.size(), OfStates::Zero()),
       sensitivity_to_forcing_(blocks_.forcing().size()),
       sensitivity_to_remainder_(blocks_.remainder().size()),
-      settled_(blocks_.size() * input_degree * most_states),
-      watched_(settled_.size()),
-      x_at_nodes_(n_nodes * system.n_states()),
-      scratch_forcing_(blocks_.forcing().size()),
-      scratch_remainder_(blocks_.remainder().size()),
-      scratch_rates_of_remainder_(blocks_.remainder().size()),
-      scratch_rates_(system.n_states()) {
-  before_.coefficients.resize(coefficients_.size());
+      settled_(blocks_.size()),
+      scratch_forcing_(blocks_.forcing().size()) {
+  at_nodes_.forcing.resize(blocks_.forcing().size());
+  at_nodes_.x.resize(system.n_states());
+  at_nodes_.dx.resize(system.n_states());
+  at_nodes_.u.resize(blocks_.remainder().size());
+  at_nodes_.du.resize(blocks_.remainder().size());
+  at_nodes_.z.resize(system.n_indicators());
+  at_nodes_.dz.resize(system.n_indicators());
+  before_.coefficients.resize(blocks_.n_coefficients());
   kept_.x.resize(x_.size());
   kept_.remainder.resize(blocks_.remainder().size());
-  blocks_.set_states(system.nominals().data(), nominals_.data());
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    const std::vector<int>& states = blocks_[b].states;
+    for (std::size_t s = 0; s < states.size(); ++s) {
+      nominals_[b][s] = system.nominals()[states[s]];
+    }
+  }
 }
 
 void ExponentialCollocation::mode_changed() {
@@ -77,7 +86,7 @@ void ExponentialCollocation::restart(double t, const double* x, double size) {
   blocks_.set_constants(coefficients_.data());
   t_ = t;
   std::copy_n(x, x_.size(), x_.begin());
-  kept_.known = false;
+  kept_.known = continues_ = false;
   n_looks_ = 0;
   rung_ = first_rung;
   if (size > 0.0) {
@@ -104,9 +113,49 @@ void ExponentialCollocation::remember(const hybrid::Step& step) {
 void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1) {
   begin_ = t_;
   blocks_.set_states(x_.data(), coefficients_.data());
-  write_record(step);  // of a step that cannot be begun at least the beginning
+  try {
+    find_step(stop);
+  } catch (...) {
+    write_record(step);  // at least the beginning
+    throw;
+  }
+  ++work_.steps;
+
+  write_record(step);
+  const double end = begin_ + input_degree * interval_;
+  const double tiny = std::isfinite(stop) ? hybrid::simultaneous(stop) : 0.0;
+  step.t1 = end >= stop - tiny ? stop : end;
+  remember(step);
+  if (end > stop + tiny) {
+    inside_.evaluate(step, stop, x1);
+  } else {
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+      BlockState ended;
+      matrices_[b]->end.product(&coefficients_[blocks_[b].first_state], ended.data());
+      blocks_.scatter(blocks_[b], ended.data(), x1);
+    }
+  }
+  system_.hold(x1);
+  n_looks_ = 0;
+  while (n_looks_ < input_degree && begin_ + (n_looks_ + 1) * interval_ < step.t1 - tiny) {
+    ++n_looks_;
+  }
+  if (end <= stop + tiny) n_looks_ = input_degree;
+  continues_ = end < stop - tiny;
+  t_ = step.t1;
+  std::copy_n(x1, x_.size(), x_.begin());
+}
+
+// What is not known at the nodes, in an interval that is short enough.
+void ExponentialCollocation::find_step(double stop) {
   const double* remainder = remainder_at(t_, x_.data());
   for (const Input& input : blocks_.remainder()) coefficients_[input.at(0)] = *remainder++;
+  const double* forcing = scratch_forcing_.data();
+  if (!continues_) view_.forcing(t_, scratch_forcing_.data());
+  for (const Input& input : blocks_.forcing()) {
+    coefficients_[input.at(0)] = continues_ ? coefficients_[input.at(input_degree)] : *forcing++;
+  }
+  continues_ = false;
   const double remaining = stop - t_;
   for (int rung = rung_;;) {
     // No longer than it takes to reach the stop.
@@ -132,30 +181,6 @@ void ExponentialCollocation::advance(double stop, hybrid::Step& step, double* x1
     }
     rung_ = rung = std::min(rung + (error > twice_too_long ? 2 : 1), Propagator::lowest_rung);
   }
-  ++work_.steps;
-
-  write_record(step);
-  const double end = begin_ + input_degree * interval_;
-  const double tiny = std::isfinite(stop) ? hybrid::simultaneous(stop) : 0.0;
-  step.t1 = end >= stop - tiny ? stop : end;
-  remember(step);
-  if (end > stop + tiny) {
-    inside_.evaluate(step, stop, x1);
-  } else {
-    for (std::size_t b = 0; b < blocks_.size(); ++b) {
-      BlockState ended;
-      matrices_[b]->end.product(&coefficients_[blocks_[b].first_state], ended.data());
-      blocks_.scatter(blocks_[b], ended.data(), x1);
-    }
-  }
-  system_.hold(x1);
-  n_looks_ = 0;
-  while (n_looks_ < input_degree && begin_ + (n_looks_ + 1) * interval_ < step.t1 - tiny) {
-    ++n_looks_;
-  }
-  if (end <= stop + tiny) n_looks_ = input_degree;
-  t_ = step.t1;
-  std::copy_n(x1, x_.size(), x_.begin());
 }
 
 void ExponentialCollocation::write_record(hybrid::Step& step) const {
@@ -163,7 +188,8 @@ void ExponentialCollocation::write_record(hybrid::Step& step) const {
   step.dense.resize(CollocationRecord::size(blocks_));
   step.dense[CollocationRecord::begin] = begin_;
   step.dense[CollocationRecord::interval] = interval_;
-  std::ranges::copy(coefficients_, &step.dense[CollocationRecord::coefficients]);
+  std::copy_n(coefficients_.begin(), blocks_.n_coefficients(),
+              &step.dense[CollocationRecord::coefficients]);
 }
 
 // Finds the remainders at the nodes. Gives the error in units of the tolerance.
@@ -185,10 +211,7 @@ double ExponentialCollocation::attempt() {
     const double contraction =
         sweeps == 0 ? interval_ / no_contraction : std::min(0.5, change / change_before);
     change_before = change;
-    if (change * contraction < settled_enough) {
-      find_states();  // that belong to the latest remainders
-      return interpolation_error();
-    }
+    if (change * contraction < settled_enough) return interpolation_error();
   }
   return std::numeric_limits<double>::infinity();
 }
@@ -209,23 +232,28 @@ void ExponentialCollocation::use_length(double interval) {
   }
 }
 
+// At node 0 it is known.
 void ExponentialCollocation::set_forcing() {
-  for (int node = 0; node < n_nodes; ++node) {
-    view_.forcing(begin_ + node * interval_, scratch_forcing_.data());
-    const double* value = scratch_forcing_.data();
-    for (const Input& input : blocks_.forcing()) coefficients_[input.at(node)] = *value++;
+  for (int k = 0; k < input_degree; ++k) at_nodes_.t[k] = begin_ + (k + 1) * interval_;
+  view_.forcing(at_nodes_.t, at_nodes_.forcing.data());
+  for (std::size_t i = 0; i < blocks_.forcing().size(); ++i) {
+    const Input& input = blocks_.forcing()[i];
+    for (int k = 0; k < input_degree; ++k) {
+      coefficients_[input.at(k + 1)] = at_nodes_.forcing[i][k];
+    }
   }
 }
 
 // By how much an error of each input, constant over the step, would change the states, in units of
 // their tolerances.
 void ExponentialCollocation::set_sensitivities() {
-  const auto coefficients = Eigen::ArrayXd::Map(coefficients_.data(), nominals_.size());
-  tolerances_ = tolerance_ * (nominals_ + coefficients.abs());
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    const auto x = OfStates::Map(&coefficients_[blocks_[b].first_state]);
+    by_tolerance_[b] = (tolerance_ * (nominals_[b] + x.abs())).inverse();
+  }
   const auto sensitivity_to = [&](const Input& input) {
-    const Block& block = blocks_[input.block];
     const auto gain = matrices_[input.block]->gains.col(input.place_in_block);
-    return (gain / tolerances_.segment(block.first_state, block.n_states())).maxCoeff();
+    return (gain * by_tolerance_[input.block]).maxCoeff();
   };
   std::ranges::transform(blocks_.forcing(), sensitivity_to_forcing_.begin(), sensitivity_to);
   std::ranges::transform(blocks_.remainder(), sensitivity_to_remainder_.begin(), sensitivity_to);
@@ -264,8 +292,7 @@ void ExponentialCollocation::prepare_states() {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const Block& block = blocks_[b];
     const int in_common = block.first_remainder + block.n_remainder - block.first_state;
-    matrices_[b]->watched.product(in_common, &coefficients_[block.first_state],
-                                  at_nodes(settled_, b));
+    matrices_[b]->watched.product(in_common, &coefficients_[block.first_state], settled_[b].data());
   }
 }
 
@@ -273,34 +300,27 @@ void ExponentialCollocation::prepare_states() {
 void ExponentialCollocation::find_states() {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const Block& block = blocks_[b];
-    double* watched = at_nodes(watched_, b);
     const int at_node_1 = block.first_remainder + block.n_remainder;
-    matrices_[b]->watched.add_product(at_node_1 - block.first_state,
-                                      input_degree * block.n_remainder, &coefficients_[at_node_1],
-                                      at_nodes(settled_, b), watched);
-    const std::size_t rows = block.propagator->padded_watched(), n = x_.size();
-    for (const int state : block.watched) {
-      double* x = &x_at_nodes_[state];
-      for (int k = 0; k < input_degree; ++k) x[(k + 1) * n] = watched[k * rows];
-      ++watched;
-    }
+    matrices_[b]->watched.add_product_to(
+        at_node_1 - block.first_state, input_degree * block.n_remainder, &coefficients_[at_node_1],
+        settled_[b].data(), [&](int w, const Abreast& x) { at_nodes_.x[block.watched[w]] = x; });
   }
 }
 
 // Remainders at the nodes from the states there. Gives the largest change in units of the
 // tolerance.
 double ExponentialCollocation::sweep() {
+  view_.remainder(at_nodes_.t, at_nodes_.x.data(), at_nodes_.u.data());
+  work_.evaluations += input_degree;
   double largest = 0.0;
-  for (int node = 1; node < n_nodes; ++node) {
-    const double* now = scratch_remainder_.data();
-    view_.remainder(begin_ + node * interval_, x_at(node), scratch_remainder_.data());
-    ++work_.evaluations;
-    const double* sensitivity = sensitivity_to_remainder_.data();
-    for (const Input& input : blocks_.remainder()) {
-      double& value = coefficients_[input.at(node)];
-      const double change = std::abs(*now - value) * *sensitivity++;
+  for (std::size_t i = 0; i < blocks_.remainder().size(); ++i) {
+    const Input& input = blocks_.remainder()[i];
+    for (int k = 0; k < input_degree; ++k) {
+      double& value = coefficients_[input.at(k + 1)];
+      const double now = at_nodes_.u[i][k];
+      const double change = std::abs(now - value) * sensitivity_to_remainder_[i];
       if (!(change <= largest)) largest = change;  // also if it is not a number
-      value = *now++;
+      value = now;
     }
   }
   return largest;
@@ -323,33 +343,66 @@ double ExponentialCollocation::interpolation_error() const {
 
 // --- what others ask for -------------------------------------------------------------------------
 
-double ExponentialCollocation::look(int k, double* z) {
-  const int node = k + 1;
-  double* remainder = scratch_remainder_.data();
-  for (const Input& input : blocks_.remainder()) *remainder++ = coefficients_[input.at(node)];
-  const double t = time_at(node);
-  view_.indicators(t, x_at(node), scratch_remainder_.data(), z);
-  return t;
+// The states at the nodes are those before the last sweep, which it has changed by less than the
+// tolerance.
+bool ExponentialCollocation::glance(const double* z0, const double* slope0, double* z1,
+                                    std::vector<int>& near) {
+  view_.indicators(at_nodes_.t, at_nodes_.x.data(), at_nodes_.u.data(), at_nodes_.z.data());
+  const std::span<const Abreast> at_nodes = at_nodes_.z;
+  const double third = interval_ / 3.0;
+  // Mostly all move by less than a third.
+  constexpr double little = 1.0 / 3.0;
+  Abreast room = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < at_nodes.size(); ++i) {
+    room = min(room, little * z0[i] - abs(at_nodes[i] - z0[i]));
+    z1[i] = at_nodes[i][input_degree - 1];
+  }
+  double room_at_begin = room.smallest();
+  if (slope0 != nullptr) {
+    const auto n = static_cast<Eigen::Index>(at_nodes.size());
+    const auto z = Eigen::ArrayXd::Map(z0, n), slope = Eigen::ArrayXd::Map(slope0, n);
+    room_at_begin = std::min(room_at_begin, (little * z - third * slope.abs()).minCoeff());
+  }
+  if (room_at_begin > 0.0) return true;
+
+  for (std::size_t i = 0; i < at_nodes.size(); ++i) {
+    const double soon = slope0 == nullptr ? z0[i] : z0[i] + third * slope0[i];
+    const double low = std::min({z0[i], soon, at_nodes[i].smallest()});
+    const double high = std::max({z0[i], soon, at_nodes[i].largest()});
+    if (!(low > high - low)) near.push_back(static_cast<int>(i));  // also if it is not a number
+  }
+  return true;
 }
 
-void ExponentialCollocation::look_closer(int k, double* slope) {
-  const int node = k + 1;
+double ExponentialCollocation::look(int k, double* z, double* slope) {
+  if (k == 0) look_at_nodes();
+  for (std::size_t i = 0; i < at_nodes_.z.size(); ++i) {
+    z[i] = at_nodes_.z[i][k];
+    slope[i] = at_nodes_.dz[i][k];
+  }
+  return k + 1 == input_degree ? t_ : at_nodes_.t[k];
+}
+
+void ExponentialCollocation::look_at_nodes() {
+  find_states();  // that belong to the latest remainders
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    BlockState rates;
-    matrices_[b]->rates[k].product(&coefficients_[blocks_[b].first_state], rates.data());
-    const double* rate = rates.data();
-    for (const int state : blocks_[b].watched) scratch_rates_[state] = *rate++;
+    const Block& block = blocks_[b];
+    matrices_[b]->rates.add_product_to(
+        0, block.columns(), &coefficients_[block.first_state], nullptr,
+        [&](int w, const Abreast& rate) { at_nodes_.dx[block.watched[w]] = rate; });
   }
-  const Eigen::Matrix<double, n_nodes, 1> weights = lagrange_slopes().col(node) / interval_;
-  double *remainder = scratch_remainder_.data(), *rate = scratch_rates_of_remainder_.data();
-  for (const Input& input : blocks_.remainder()) {
-    *remainder++ = coefficients_[input.at(node)];
-    *rate = 0.0;
-    for (int l = 0; l < n_nodes; ++l) *rate += weights[l] * coefficients_[input.at(l)];
-    ++rate;
+  const Eigen::Matrix<double, input_degree, n_nodes> slopes =
+      lagrange_slopes().rightCols<input_degree>().transpose() / interval_;
+  for (std::size_t i = 0; i < blocks_.remainder().size(); ++i) {
+    const Input& input = blocks_.remainder()[i];
+    at_nodes_.du[i] = 0.0;
+    for (int l = 0; l < n_nodes; ++l) {
+      at_nodes_.du[i] += coefficients_[input.at(l)] * Abreast::load(slopes.col(l).data());
+    }
   }
-  view_.indicator_rates(time_at(node), x_at(node), scratch_rates_.data(), scratch_remainder_.data(),
-                        scratch_rates_of_remainder_.data(), slope);
+  view_.indicators(at_nodes_.t, at_nodes_.x.data(), at_nodes_.u.data(), at_nodes_.z.data());
+  view_.indicator_rates(at_nodes_.t, at_nodes_.x.data(), at_nodes_.dx.data(), at_nodes_.u.data(),
+                        at_nodes_.du.data(), at_nodes_.dz.data());
 }
 
 void ExponentialCollocation::derivatives(double t, const double* x, double* derivatives) {

@@ -34,8 +34,8 @@ class ExponentialCollocation final : public hybrid::Integrator {
   void remember(const hybrid::Step& step) override;
   void advance(double stop, hybrid::Step& step, double* x1) override;
   int n_looks() const override { return n_looks_; }
-  double look(int k, double* z) override;
-  void look_closer(int k, double* slope) override;
+  double look(int k, double* z, double* slope) override;
+  bool glance(const double* z0, const double* slope0, double* z1, std::vector<int>& near) override;
   double next_size() const override;
   void derivatives(double t, const double* x, double* derivatives) override;
   void mode_changed() override;
@@ -50,6 +50,7 @@ class ExponentialCollocation final : public hybrid::Integrator {
   using Block = CollocationBlocks::Block;
   using Input = CollocationBlocks::Input;
 
+  void find_step(double stop);
   double attempt();
   void write_record(hybrid::Step& step) const;
   void use_rung(int rung);
@@ -60,13 +61,10 @@ class ExponentialCollocation final : public hybrid::Integrator {
   void prepare_states();
   void find_states();
   double sweep();
+  void find_indicators();
+  void look_at_nodes();
   double interpolation_error() const;
   const double* remainder_at(double t, const double* x);
-  double time_at(int node) const { return node == input_degree ? t_ : begin_ + node * interval_; }
-  const double* x_at(int node) const { return &x_at_nodes_[node * x_.size()]; }
-  double* at_nodes(std::vector<double>& values, std::size_t b) {
-    return &values[b * input_degree * most_states];
-  }
 
   hybrid::System& system_;
   hybrid::LinearView& view_;
@@ -78,23 +76,28 @@ class ExponentialCollocation final : public hybrid::Integrator {
   double t_ = 0.0;
   std::vector<double> x_;
   int rung_ = 0;
+  bool continues_ = false;  // from node 4 of the latest step, with its coefficients
 
   // The step in work, or the latest.
   double begin_ = 0.0;
   double interval_ = Propagator::longest;
   Matrices matrices_;
   std::vector<StepMatrices> made_to_measure_;
-  std::vector<double> coefficients_;  // of all blocks
-  // Of the states among them, else of no use.
-  Eigen::ArrayXd nominals_, tolerances_;
+  std::vector<double> coefficients_;  // of all blocks, and room for the states of one more
+  // Of the states of each block, beyond them infinity: nominal values and 1/tolerance.
+  using OfStates = Eigen::Array<double, most_states, 1>;
+  std::vector<OfStates> nominals_, by_tolerance_;
   // Of each forcing and each remainder.
   std::vector<double> sensitivity_to_forcing_, sensitivity_to_remainder_;
-  // Block by block with room for most_states at each of the nodes 1 to 4: watched states without
-  // and with the remainders there.
-  std::vector<double> settled_, watched_;
-  std::vector<double> x_at_nodes_;  // whole states, node by node, of which the watched are set
-  std::vector<double> scratch_forcing_, scratch_remainder_, scratch_rates_of_remainder_,
-      scratch_rates_;
+  // The watched states of each block at nodes 1 to 4, without the remainders there.
+  std::vector<BlockAtNodes> settled_;
+  // At nodes 1 to 4 abreast: times; forcing; whole states, of which the watched are set, and their
+  // rates; remainders and theirs; indicators and theirs.
+  struct {
+    Abreast t;
+    std::vector<Abreast> forcing, x, dx, u, du, z, dz;
+  } at_nodes_;
+  std::vector<double> scratch_forcing_;
   int n_looks_ = 0;
 
   // The latest step, from which the next begins its search.

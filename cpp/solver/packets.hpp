@@ -5,9 +5,13 @@
 #include <array>
 #include <vector>
 
+#include "numbers/abreast.hpp"
+
 namespace manutec_r3::solver {
 
-inline constexpr int packet_size = 4;
+using numbers::Abreast;
+
+inline constexpr int packet_size = Abreast::size;
 
 inline constexpr int padded(int rows) {
   return (rows + packet_size - 1) / packet_size * packet_size;
@@ -42,26 +46,8 @@ class PacketMatrix {
   // Without y0 it is zero.
   void add_product(int first, int count, const double* coefficients, const double* y0,
                    double* y) const {
-    const double* A = entries_.data() + first * rows_;
-    const auto from = [y0](int row) { return y0 == nullptr ? nullptr : y0 + row; };
-    int row = 0;
-    for (; row + 8 * packet_size <= rows_; row += 8 * packet_size) {
-      add_rows<8>(A + row, count, coefficients, from(row), y + row);
-    }
-    switch ((rows_ - row) / packet_size) {
-      case 1:
-        return add_rows<1>(A + row, count, coefficients, from(row), y + row);
-      case 2:
-        return add_rows<2>(A + row, count, coefficients, from(row), y + row);
-      case 3:
-        return add_rows<3>(A + row, count, coefficients, from(row), y + row);
-      case 4:
-        return add_rows<4>(A + row, count, coefficients, from(row), y + row);
-      default:
-        for (; row < rows_; row += packet_size) {
-          add_rows<1>(A + row, count, coefficients, from(row), y + row);
-        }
-    }
+    add_product_to(first, count, coefficients, y0,
+                   [y](int p, const Abreast& sum) { sum.store(y + p * packet_size); });
   }
   void add_product(int first, int count, const double* coefficients, double* y) const {
     add_product(first, count, coefficients, y, y);
@@ -78,29 +64,81 @@ class PacketMatrix {
     return result;
   }
 
+  // The same for those who take the packets of y one by one: to(packet, numbers).
+  template <class To>
+  void add_product_to(int first, int count, const double* coefficients, const double* y0,
+                      const To& to) const {
+    const double* A = entries_.data() + first * rows_;
+    const int packets = rows_ / packet_size;
+    int first_packet = 0;
+    for (; first_packet + most_at_once < packets; first_packet += most_at_once) {
+      add_rows<most_at_once, 1>(A, first_packet, count, coefficients, y0, to);
+    }
+    // A sum waits for the one before it: where few packets have many columns, even and odd ones are
+    // summed up apart.
+    const bool in_two_parts = count >= 8;
+    switch (packets - first_packet) {
+      case 1:
+        return in_two_parts ? add_rows<1, 2>(A, first_packet, count, coefficients, y0, to)
+                            : add_rows<1, 1>(A, first_packet, count, coefficients, y0, to);
+      case 2:
+        return in_two_parts ? add_rows<2, 2>(A, first_packet, count, coefficients, y0, to)
+                            : add_rows<2, 1>(A, first_packet, count, coefficients, y0, to);
+      case 3:
+        return in_two_parts ? add_rows<3, 2>(A, first_packet, count, coefficients, y0, to)
+                            : add_rows<3, 1>(A, first_packet, count, coefficients, y0, to);
+      case 4:
+        return in_two_parts ? add_rows<4, 2>(A, first_packet, count, coefficients, y0, to)
+                            : add_rows<4, 1>(A, first_packet, count, coefficients, y0, to);
+      case 5:
+        return add_rows<5, 1>(A, first_packet, count, coefficients, y0, to);
+      case 6:
+        return add_rows<6, 1>(A, first_packet, count, coefficients, y0, to);
+      case 7:
+        return add_rows<7, 1>(A, first_packet, count, coefficients, y0, to);
+      case 8:
+        return add_rows<8, 1>(A, first_packet, count, coefficients, y0, to);
+    }
+  }
+
  private:
-  // So many packets stay in registers meanwhile, if the compiler unrolls loops over them before it
+  // Packets that stay in registers together, if the compiler unrolls loops over them before it
   // thinks of copying memory.
-  template <int packets>
-  void add_rows(const double* A, int count, const double* coefficients, const double* y0,
-                double* y) const {
-    using Packet = Eigen::Array<double, packet_size, 1>;
-    std::array<Packet, packets> sum;
+  static constexpr int most_at_once = 8;
+
+  template <int packets, int parts, class To>
+  void add_rows(const double* A, int first_packet, int count, const double* coefficients,
+                const double* y0, const To& to) const {
+    A += first_packet * packet_size;
+    const std::ptrdiff_t stride = rows_;
+    Abreast sums[parts][packets];
     if (y0 != nullptr) {
 #pragma GCC unroll 8
-      for (int p = 0; p < packets; ++p) sum[p] = Packet::Map(y0 + p * packet_size);
-    } else {
-#pragma GCC unroll 8
-      for (int p = 0; p < packets; ++p) sum[p].setZero();
+      for (int p = 0; p < packets; ++p) {
+        sums[0][p] = Abreast::load(y0 + (first_packet + p) * packet_size);
+      }
     }
-    for (int c = 0; c < count; ++c, A += rows_) {
+    int c = 0;
+    for (; c + parts <= count; c += parts, A += parts * stride) {
+#pragma GCC unroll 2
+      for (int part = 0; part < parts; ++part) {
+#pragma GCC unroll 8
+        for (int p = 0; p < packets; ++p) {
+          sums[part][p] +=
+              coefficients[c + part] * Abreast::load(A + part * stride + p * packet_size);
+        }
+      }
+    }
+    if (parts == 2 && c < count) {
 #pragma GCC unroll 8
       for (int p = 0; p < packets; ++p) {
-        sum[p] += Packet::Map(A + p * packet_size) * coefficients[c];
+        sums[0][p] += coefficients[c] * Abreast::load(A + p * packet_size);
       }
     }
 #pragma GCC unroll 8
-    for (int p = 0; p < packets; ++p) Packet::Map(y + p * packet_size) = sum[p];
+    for (int p = 0; p < packets; ++p) {
+      to(first_packet + p, parts == 2 ? sums[0][p] + sums[parts - 1][p] : sums[0][p]);
+    }
   }
 
   int rows_ = 0;

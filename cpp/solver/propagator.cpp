@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <list>
 #include <span>
 #include <stdexcept>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 
 namespace manutec_r3::solver {
@@ -100,7 +100,14 @@ Propagator::~Propagator() {
   for (const auto& step : steps_) delete step.load();
 }
 
-double Propagator::length(int rung) { return std::ldexp(longest, -rung); }
+double Propagator::length(int rung) {
+  static const auto lengths = [] {
+    std::array<double, lowest_rung + 1> values;
+    for (int k = 0; k <= lowest_rung; ++k) values[k] = std::ldexp(longest, -k);
+    return values;
+  }();
+  return lengths[rung];
+}
 
 // --- E and V -------------------------------------------------------------------------------------
 
@@ -189,19 +196,20 @@ void Propagator::expand(const double* coefficients, double* terms) const {
   const double* remainder = forcing + n_nodes * n_f;
   std::copy_n(coefficients, n, terms);
   std::fill(terms + n, terms + rows, 0.0);
-  // x^(i+1) = L x^(i) + B u^(i), for now without 1/i!
+  // x^(i+1) = L x^(i) + B u^(i)
+  std::array<double, most_columns> x_and_u;
   for (int i = 0; i + 1 < n_terms; ++i) {
-    double* next = terms + (i + 1) * rows;
-    equations_.product(n, terms + i * rows, next);
-    if (i == 0) equations_.add_product(n, n_c, constants, next);
+    const double by_factorial = 1.0 / factorial(i), by_next = 1.0 / (i + 1);
+    double* last = std::copy_n(terms + i * rows, n, x_and_u.data());
     if (i < n_nodes) {
-      equations_.add_product(n + n_c, n_f, forcing + i * n_f, next);
-      equations_.add_product(n + n_c + n_f, n_r, remainder + i * n_r, next);
+      for (int k = 0; k < n_c; ++k) *last++ = i == 0 ? constants[k] : 0.0;
+      for (int k = 0; k < n_f; ++k) *last++ = by_factorial * forcing[i * n_f + k];
+      for (int k = 0; k < n_r; ++k) *last++ = by_factorial * remainder[i * n_r + k];
     }
-  }
-  for (int i = 2; i < n_terms; ++i) {
-    const double weight = 1.0 / factorial(i);
-    for (int s = 0; s < rows; ++s) terms[i * rows + s] *= weight;
+    double* next = terms + (i + 1) * rows;
+    equations_.add_product_to(
+        0, static_cast<int>(last - x_and_u.data()), x_and_u.data(), nullptr,
+        [&](int p, const Abreast& sum) { (by_next * sum).store(next + p * packet_size); });
   }
 }
 
@@ -238,7 +246,7 @@ StepMatrices Propagator::step_of(double interval) const {
 StepMatrices Propagator::step_from(const Exact& interval, double d) const {
   const int n = n_states(), n_watched = static_cast<int>(block_.watched.size());
   StepMatrices step;
-  step.watched = PacketMatrix(input_degree * padded_watched(), columns_);
+  step.watched = step.rates = PacketMatrix(input_degree * n_watched, columns_);
   PacketMatrix equations_of_watched(n_watched, n + n_inputs());
   for (int w = 0; w < n_watched; ++w) {
     for (int c = 0; c < n + n_inputs(); ++c) {
@@ -249,20 +257,22 @@ StepMatrices Propagator::step_from(const Exact& interval, double d) const {
   for (int node = 1; node < n_nodes; ++node) {
     if (node > 1) to_node = sum_of(to_node, (node - 1) * d, interval);
     PacketMatrix x = for_nodes(to_node, d);
-    const int first_row = (node - 1) * padded_watched();
-    for (int c = 0; c < columns_; ++c) {
-      for (int w = 0; w < n_watched; ++w) step.watched(first_row + w, c) = x(block_.watched[w], c);
-    }
-    PacketMatrix& rates = step.rates[node - 1];
-    rates = equations_of_watched.product(n, x);
+    PacketMatrix rates = equations_of_watched.product(n, x);
     for (const Kind& kind : inputs_) {
       rates.columns(kind.n_orders > 1 ? kind.column(node) : kind.first_column, kind.count) +=
           equations_of_watched.columns(n + kind.first, kind.count);
     }
+    for (int c = 0; c < columns_; ++c) {
+      for (int w = 0; w < n_watched; ++w) {
+        const int row = input_degree * w + node - 1;
+        step.watched(row, c) = x(block_.watched[w], c);
+        step.rates(row, c) = rates(w, c);
+      }
+    }
     if (node == input_degree) step.end = std::move(x);
   }
   const auto& [constants, forcing, remainder] = inputs_;
-  step.gains.resize(n, forcing.count + remainder.count);
+  step.gains.setZero(most_states, forcing.count + remainder.count);
   for (const Kind& kind : {forcing, remainder}) {
     for (int i = 0; i < kind.count; ++i) {
       for (int s = 0; s < n; ++s) {
@@ -281,47 +291,38 @@ namespace {
 // Enough for a robot in all its modes, several times: about 25 MB.
 constexpr std::size_t most_kept = 256;
 
-bool equal(const hybrid::LinearBlock& a, const hybrid::LinearBlock& b) {
-  return a.watched == b.watched && a.n_constants == b.n_constants && a.n_forcing == b.n_forcing &&
-         a.n_remainder == b.n_remainder && a.L.rows() == b.L.rows() && a.L == b.L && a.B == b.B;
-}
-
 std::size_t hash_of(const MatrixXd& matrix) {
   const std::span entries(matrix.data(), matrix.size());
   const auto bytes = std::as_bytes(entries);
   return std::hash<std::string_view>{}({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
-struct Kept {
-  std::size_t hash;
-  std::shared_ptr<const Propagator> propagator;
+struct Hash {
+  std::size_t operator()(const hybrid::LinearBlock& block) const {
+    return hash_of(block.L) + 31 * hash_of(block.B);
+  }
+};
+struct Equal {
+  bool operator()(const hybrid::LinearBlock& a, const hybrid::LinearBlock& b) const {
+    return a.watched == b.watched && a.n_constants == b.n_constants && a.n_forcing == b.n_forcing &&
+           a.n_remainder == b.n_remainder && a.L.rows() == b.L.rows() && a.L == b.L && a.B == b.B;
+  }
 };
 
 std::mutex using_kept;
-std::list<Kept> kept;  // the latest used first
+std::unordered_map<hybrid::LinearBlock, std::shared_ptr<const Propagator>, Hash, Equal> kept;
 
 }  // namespace
 
 std::shared_ptr<const Propagator> propagator_of(const hybrid::LinearBlock& block) {
-  const std::size_t hash = hash_of(block.L) + 31 * hash_of(block.B);
-  const auto find = [&]() -> std::shared_ptr<const Propagator> {
-    const auto found = std::ranges::find_if(kept, [&](const Kept& one) {
-      return one.hash == hash && equal(one.propagator->block(), block);
-    });
-    if (found == kept.end()) return nullptr;
-    kept.splice(kept.begin(), kept, found);
-    return found->propagator;
-  };
   {
     const std::lock_guard lock(using_kept);
-    if (auto propagator = find()) return propagator;
+    if (const auto found = kept.find(block); found != kept.end()) return found->second;
   }
-  auto made = std::make_shared<const Propagator>(block);
+  const auto made = std::make_shared<const Propagator>(block);
   const std::lock_guard lock(using_kept);
-  if (auto propagator = find()) return propagator;  // somebody else was faster
-  kept.push_front({hash, made});
-  if (kept.size() > most_kept) kept.pop_back();
-  return made;
+  if (kept.size() == most_kept) kept.clear();
+  return kept.try_emplace(block, made).first->second;  // unless somebody else was faster
 }
 
 void forget_propagators() {

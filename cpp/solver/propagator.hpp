@@ -27,12 +27,16 @@ namespace manutec_r3::solver {
 // Of the polynomials; a step has as many intervals, and one node more.
 inline constexpr int input_degree = 4;
 inline constexpr int n_nodes = input_degree + 1;
+// All but the first are looked at together.
+static_assert(input_degree == packet_size);
 
 // States, and columns, that a block may have.
 inline constexpr int most_states = 16;
 inline constexpr int most_columns = 48;
-// The states of a block, with room for all rows that a product may take at once.
+// The states of a block, and the watched ones at nodes 1 to 4, with room for all rows that a
+// product may take at once.
 using BlockState = std::array<double, 8 * packet_size>;
+using BlockAtNodes = std::array<double, input_degree * most_states>;
 static_assert(most_states <= 8 * packet_size);
 
 // Coefficients of Lagrange's polynomials for the nodes 0, 1, .., 4: row l, power q.
@@ -42,10 +46,11 @@ const Eigen::Matrix<double, n_nodes, n_nodes>& lagrange_slopes();
 
 // The matrices of a step, for inputs at the nodes.
 struct StepMatrices {
-  PacketMatrix watched;  // watched states at nodes 1 to 4, each node's padded to packets
-  std::array<PacketMatrix, input_degree> rates;  // their derivatives, node by node
-  PacketMatrix end;                              // all states at node 4
-  Eigen::ArrayXXd gains;  // by how much constant forcing and remainder change states over the step
+  PacketMatrix watched;  // each watched state at nodes 1 to 4, then the next
+  PacketMatrix rates;    // their derivatives likewise
+  PacketMatrix end;      // all states at node 4
+  // By how much constant forcing and remainder change states over the step; zero beyond them.
+  Eigen::Array<double, most_states, Eigen::Dynamic> gains;
 };
 
 class Propagator {
@@ -63,7 +68,6 @@ class Propagator {
   const hybrid::LinearBlock& block() const { return block_; }
   int n_states() const { return static_cast<int>(block_.states.size()); }
   int columns() const { return columns_; }
-  int padded_watched() const { return padded(static_cast<int>(block_.watched.size())); }
 
   // The derivatives dx (padded) of the states, for inputs at the same instant: coefficients are
   // states, constants, forcing, remainder.

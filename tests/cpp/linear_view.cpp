@@ -2,6 +2,7 @@
 #include "hybrid/linear_view.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <random>
@@ -16,6 +17,7 @@
 namespace manutec_r3::testing {
 namespace {
 
+using numbers::Abreast;
 using robot::Controller;
 using robot::Model;
 
@@ -182,20 +184,72 @@ TEST(RatesOfIndicatorsAreThoseOfADifference) {
   }
 }
 
-TEST(WhatIndicatorsAreToldByTheRemainderIsWhatTheyFind) {
+// Of a few vectors, each at one instant, what is abreast.
+std::vector<Abreast> abreast(const std::array<std::vector<double>, Abreast::size>& at_instants) {
+  std::vector<Abreast> numbers(at_instants[0].size());
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    for (int k = 0; k < Abreast::size; ++k) numbers[i][k] = at_instants[k][i];
+  }
+  return numbers;
+}
+
+// What is true at four instants, in states close to each other on the same branches, is what is
+// true at each of them; and what indicators are told by the remainder is what they find.
+TEST(FourInstantsAbreastAreFourInstants) {
   std::mt19937 random(4);
   int held = 0;
   for (const Case& one : cases()) {
     const auto system = system_of(one);
     hybrid::LinearView& view = *system->linear_view();
+    const int n_z = system->n_indicators();
     for (int trial = 0; trial < 50; ++trial) {
-      const std::vector<double> x = decided_state(*system, random, 0.3);
+      std::array<std::vector<double>, Abreast::size> x, dx, forcing, u, z, dz;
+      std::uniform_real_distribution<double> nearby(1.0, 1.01);
+      x[0] = decided_state(*system, random, 0.3);
       for (int i = 0; i < system->n_axes(); ++i) held += system->branch(robot::friction, i) == 0;
-      const Inputs inputs(view, 0.3, x.data());
-      std::vector<double> z(system->n_indicators()), told(z.size());
-      system->indicators(0.3, x.data(), z.data());
-      view.indicators(0.3, x.data(), inputs.remainder.data(), told.data());
-      for (std::size_t i = 0; i < z.size(); ++i) CHECK_NEAR(told[i], z[i], 1e-12);
+      Abreast t;
+      for (int k = 0; k < Abreast::size; ++k) {
+        t[k] = 0.3 + 0.01 * k;
+        x[k] = x[0];
+        if (k > 0) {
+          for (double& value : x[k]) value *= nearby(random);
+        }
+        const Inputs inputs(view, t[k], x[k].data());
+        forcing[k] = inputs.forcing;
+        u[k] = inputs.remainder;
+        z[k].resize(n_z);
+        system->indicators(t[k], x[k].data(), z[k].data());
+        dx[k].resize(x[k].size());
+        dz[k].resize(n_z);
+        system->derivatives(t[k], x[k].data(), dx[k].data());
+        system->indicator_rates(t[k], x[k].data(), dx[k].data(), dz[k].data());
+      }
+      std::vector<Abreast> forcing_now(forcing[0].size()), u_now(u[0].size()), z_now(n_z),
+          dz_now(n_z);
+      const std::vector<Abreast> x_now = abreast(x), dx_now = abreast(dx);
+      view.forcing(t, forcing_now.data());
+      view.remainder(t, x_now.data(), u_now.data());
+      view.indicators(t, x_now.data(), u_now.data(), z_now.data());
+      // Remainders change as fast as a difference says.
+      std::vector<Abreast> u_soon(u_now), x_soon(x_now), du(u_now.size());
+      constexpr double soon = 1e-7;
+      for (std::size_t s = 0; s < x_soon.size(); ++s) x_soon[s] += soon * dx_now[s];
+      view.remainder(t + soon, x_soon.data(), u_soon.data());
+      for (std::size_t i = 0; i < du.size(); ++i) du[i] = (u_soon[i] - u_now[i]) / soon;
+      view.indicator_rates(t, x_now.data(), dx_now.data(), u_now.data(), du.data(), dz_now.data());
+      for (int k = 0; k < Abreast::size; ++k) {
+        // Sums in another order: roundoff of terms of their size, in a system of equations.
+        for (std::size_t i = 0; i < forcing_now.size(); ++i) {
+          CHECK_NEAR(forcing_now[i][k], forcing[k][i], 1e-15 * (1.0 + std::abs(forcing[k][i])));
+        }
+        for (std::size_t i = 0; i < u_now.size(); ++i) {
+          CHECK_NEAR(u_now[i][k], u[k][i], 1e-11 * (1.0 + std::abs(u[k][i])));
+        }
+        for (int i = 0; i < n_z; ++i) {
+          CHECK_NEAR(z_now[i][k], z[k][i], 1e-11 * (1.0 + std::abs(z[k][i])));
+          CHECK_NEAR(dz_now[i][k], dz[k][i], 1e-4 + 1e-3 * std::abs(dz[k][i]));
+        }
+      }
     }
   }
   CHECK(held > 100);

@@ -81,16 +81,15 @@ TEST(InputsOfEveryDegreeAndKindAreIntegratedExactly) {
       for (const int first : {2, 2 + n_nodes}) {
         std::vector<double> coefficients(propagator.columns(), 0.0);
         for (int l = 0; l < n_nodes; ++l) coefficients[first + l] = std::pow(l * d, q);
-        std::array<double, 16> watched{};
+        solver::BlockAtNodes watched{}, rates{};
         step.watched.product(coefficients.data(), watched.data());
+        step.rates.product(coefficients.data(), rates.data());
         for (int node = 1; node < n_nodes; ++node) {
           const double t = node * d;
           const double expected = lag_after(a, t, q);
           const double scale = std::pow(input_degree * d, q + 1);
-          CHECK_NEAR(watched[(node - 1) * propagator.padded_watched()], expected, 1e-13 * scale);
-          solver::BlockState rates{};
-          step.rates[node - 1].product(coefficients.data(), rates.data());
-          CHECK_NEAR(rates[0], std::pow(t, q) - a * expected, 1e-12 * scale * (a + 1.0 / d));
+          CHECK_NEAR(watched[node - 1], expected, 1e-13 * scale);
+          CHECK_NEAR(rates[node - 1], std::pow(t, q) - a * expected, 1e-12 * scale * (a + 1.0 / d));
         }
         solver::BlockState end{};
         step.end.product(coefficients.data(), end.data());

@@ -1,8 +1,8 @@
 // A number that remembers how it was computed: what the recursions do with it becomes a formula.
 //
 // Those who need more of an equation than its values, such as derivatives for an optimisation, let
-// it run on recorded numbers and read the tape (newton_euler.hpp). A constant is never written down
-// before something that is not constant needs it, sums with 0 and products with 0 and 1 are no
+// it run on recorded numbers and read the tape (arm/newton_euler.hpp). A constant is never written
+// down before something that is not constant needs it, sums with 0 and products with 0 and 1 are no
 // operations, and what is on the tape already is not written again: the formula is as short as one
 // written by hand.
 #pragma once
@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-namespace manutec_r3::arm {
+namespace manutec_r3::numbers {
 
 class Recorded;
 
@@ -75,15 +75,15 @@ class Recorded {
   double constant_ = 0;
 };
 
-}  // namespace manutec_r3::arm
+}  // namespace manutec_r3::numbers
 
 // What Eigen wants to know about a kind of number: here, that nothing may be computed twice.
 template <>
-struct Eigen::NumTraits<manutec_r3::arm::Recorded>
-    : Eigen::GenericNumTraits<manutec_r3::arm::Recorded> {
-  using Real = manutec_r3::arm::Recorded;
-  using NonInteger = manutec_r3::arm::Recorded;
-  using Nested = manutec_r3::arm::Recorded;
+struct Eigen::NumTraits<manutec_r3::numbers::Recorded>
+    : Eigen::GenericNumTraits<manutec_r3::numbers::Recorded> {
+  using Real = manutec_r3::numbers::Recorded;
+  using NonInteger = manutec_r3::numbers::Recorded;
+  using Nested = manutec_r3::numbers::Recorded;
   using Literal = double;
   enum {
     IsComplex = 0,
@@ -98,6 +98,6 @@ struct Eigen::NumTraits<manutec_r3::arm::Recorded>
 
 // A double times a vector of recorded numbers is one of these.
 template <class Operation>
-struct Eigen::ScalarBinaryOpTraits<double, manutec_r3::arm::Recorded, Operation> {
-  using ReturnType = manutec_r3::arm::Recorded;
+struct Eigen::ScalarBinaryOpTraits<double, manutec_r3::numbers::Recorded, Operation> {
+  using ReturnType = manutec_r3::numbers::Recorded;
 };

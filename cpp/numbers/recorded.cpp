@@ -1,9 +1,9 @@
-#include "arm/recorded.hpp"
+#include "numbers/recorded.hpp"
 
 #include <array>
 #include <cmath>
 
-namespace manutec_r3::arm {
+namespace manutec_r3::numbers {
 
 // --- the tape ------------------------------------------------------------------------------------
 
@@ -76,4 +76,4 @@ Recorded cos(const Recorded& a) {
   return a.is_constant() ? Recorded(std::cos(a.constant_)) : a.tape_->record(cosine, a);
 }
 
-}  // namespace manutec_r3::arm
+}  // namespace manutec_r3::numbers
