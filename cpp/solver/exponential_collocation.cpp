@@ -261,29 +261,37 @@ void ExponentialCollocation::set_sensitivities() {
 
 // Remainders at the nodes by the polynomials of the step before, moved to what is known at node 0.
 void ExponentialCollocation::predict() {
+  // By how much a value at each node of the step before raises those at nodes 1 to 4 of this one
+  // above the one at node 0.
   const auto& lagrange = lagrange_coefficients();
-  // By how much a value at each node of the step before raises the values at the nodes of this one.
-  Eigen::Matrix<double, n_nodes, n_nodes> weights;
-  for (int node = 0; node < n_nodes; ++node) {
-    const double after = begin_ + node * interval_ - before_.begin;
-    const double time = std::min(after / before_.interval, furthest_prediction);
-    auto at_node = weights.col(node);
-    at_node = lagrange.col(input_degree);
-    for (int q = input_degree - 1; q >= 0; --q) at_node = at_node * time + lagrange.col(q);
-  }
-  for (int node = input_degree; node >= 0; --node) weights.col(node) -= weights.col(0);
-
-  const double* sensitivity = sensitivity_to_remainder_.data();
-  for (const Input& input : blocks_.remainder()) {
-    Eigen::Matrix<double, n_nodes, 1> before;
-    for (int l = 0; l < n_nodes; ++l) before[l] = before_.coefficients[input.at(l)];
-    const double change = (before.array() - before[0]).abs().maxCoeff();
-    const bool changes = change * *sensitivity++ > negligible;
-    if (!before_.known || !changes) before.setZero();
-    const double now = coefficients_[input.at(0)];
-    for (int node = 1; node < n_nodes; ++node) {
-      coefficients_[input.at(node)] = now + weights.col(node).dot(before);
+  const auto time = [&](const auto& t) {
+    return min((t - before_.begin) / before_.interval, furthest_prediction);
+  };
+  const Abreast at_nodes = time(at_nodes_.t), at_begin = time(Abreast(begin_));
+  std::array<Abreast, n_nodes> weights;
+  for (int l = 0; l < n_nodes; ++l) {
+    Abreast here = lagrange(l, input_degree), before = here;
+    for (int q = input_degree - 1; q >= 0; --q) {
+      here = here * at_nodes + lagrange(l, q);
+      before = before * at_begin + lagrange(l, q);
     }
+    weights[l] = here - before;
+  }
+
+  for (std::size_t i = 0; i < blocks_.remainder().size(); ++i) {
+    const Input& input = blocks_.remainder()[i];
+    const double first = before_.coefficients[input.at(0)];
+    double change = 0.0;
+    Abreast rise;
+    for (int l = 1; l < n_nodes; ++l) {
+      // From the first on: weights of a constant add up to nothing.
+      const double from_first = before_.coefficients[input.at(l)] - first;
+      change = std::max(change, std::abs(from_first));
+      rise += from_first * weights[l];
+    }
+    if (!before_.known || !(change * sensitivity_to_remainder_[i] > negligible)) rise = 0.0;
+    const double now = coefficients_[input.at(0)];
+    for (int k = 0; k < input_degree; ++k) coefficients_[input.at(k + 1)] = now + rise[k];
   }
 }
 
@@ -367,6 +375,7 @@ bool ExponentialCollocation::glance(const double* z0, const double* slope0, doub
 
   for (std::size_t i = 0; i < at_nodes.size(); ++i) {
     const double soon = slope0 == nullptr ? z0[i] : z0[i] + third * slope0[i];
+    if (max(abs(at_nodes[i] - z0[i]), std::abs(soon - z0[i])).largest() < little * z0[i]) continue;
     const double low = std::min({z0[i], soon, at_nodes[i].smallest()});
     const double high = std::max({z0[i], soon, at_nodes[i].largest()});
     if (!(low > high - low)) near.push_back(static_cast<int>(i));  // also if it is not a number

@@ -34,12 +34,17 @@ class PacketMatrix {
   int padded_rows() const { return rows_; }
   const double& operator()(int row, int column) const { return entries_[column * rows_ + row]; }
   double& operator()(int row, int column) { return entries_[column * rows_ + row]; }
-  // The numbers of some columns, padding included.
-  auto columns(int first, int count) {
-    return Eigen::ArrayXd::Map(entries_.data() + first * rows_, count * rows_);
+  // Adds so many times some columns of another matrix with as many rows.
+  void add_columns(int first, int count, double times, const PacketMatrix& other, int other_first) {
+    const double* from = &other(0, other_first);
+    double* to = &(*this)(0, first);
+    for (int i = 0; i < count * rows_; i += packet_size) {
+      (Abreast::load(to + i) + times * Abreast::load(from + i)).store(to + i);
+    }
   }
-  auto columns(int first, int count) const {
-    return Eigen::ArrayXd::Map(entries_.data() + first * rows_, count * rows_);
+  PacketMatrix& operator*=(double times) {
+    for (double& entry : entries_) entry *= times;
+    return *this;
   }
 
   // y = y0 + columns first, first + 1, ... times `count` coefficients; padded_rows numbers each.

@@ -15,8 +15,8 @@ namespace {
 
 using Eigen::MatrixXd;
 
-// Taylor's series of exp(z) to z^11 has all digits for |z| up to this.
-constexpr double brief_enough = 0.2;
+// Taylor's series of exp(z) to z^8 has all digits for |z| up to this.
+constexpr double brief_enough = 0.05;
 
 // i!
 double factorial(int i) {
@@ -117,18 +117,18 @@ Propagator::Exact Propagator::brief(double d) const {
   Exact exact(n, columns_);
   PacketMatrix term(n, n + n_inputs());  // (L d)^i, (L d)^i B d
   for (int s = 0; s < n; ++s) term(s, s) = 1.0;
-  term.columns(n, n_inputs()) = d * equations_.columns(n, n_inputs());
+  term.add_columns(n, n_inputs(), d, equations_, n);
   for (int i = 0; i < n_terms; ++i) {
-    exact.columns(0, n) += term.columns(0, n) / factorial(i);
+    exact.add_columns(0, n, 1.0 / factorial(i), term, 0);
     for (const Kind& kind : inputs_) {
       double power = 1.0;  // d^q
       for (int q = 0; q < kind.n_orders; ++q, power *= d) {
-        exact.columns(kind.column(q), kind.count) +=
-            term.columns(n + kind.first, kind.count) * (power / factorial(i + q + 1));
+        exact.add_columns(kind.column(q), kind.count, power / factorial(i + q + 1), term,
+                          n + kind.first);
       }
     }
     term = equations_.product(n, term);
-    term.columns(0, n + n_inputs()) *= d;
+    term *= d;
   }
   return exact;
 }
@@ -141,8 +141,8 @@ Propagator::Exact Propagator::sum_of(const Exact& first, double d, const Exact& 
     for (int q = 0; q < kind.n_orders; ++q) {
       double power = 1.0;
       for (int i = q; i >= 0; --i, power *= d) {
-        both.columns(kind.column(q), kind.count) +=
-            second.columns(kind.column(i), kind.count) * (power / factorial(q - i));
+        both.add_columns(kind.column(q), kind.count, power / factorial(q - i), second,
+                         kind.column(i));
       }
     }
   }
@@ -165,13 +165,13 @@ PacketMatrix Propagator::for_nodes(const Exact& exact, double d) const {
   const auto& lagrange = lagrange_coefficients();
   PacketMatrix result(n_states(), columns_);
   const int n_common = inputs_[1].first_column;
-  result.columns(0, n_common) = exact.columns(0, n_common);
+  result.add_columns(0, n_common, 1.0, exact, 0);
   for (const Kind& kind : {inputs_[1], inputs_[2]}) {
     double power = 1.0;  // d^q
     for (int q = 0; q < n_nodes; ++q, power *= d) {
       for (int l = 0; l < n_nodes; ++l) {
-        result.columns(kind.column(l), kind.count) +=
-            exact.columns(kind.column(q), kind.count) * (lagrange(l, q) * factorial(q) / power);
+        result.add_columns(kind.column(l), kind.count, lagrange(l, q) * factorial(q) / power, exact,
+                           kind.column(q));
       }
     }
   }
@@ -259,8 +259,8 @@ StepMatrices Propagator::step_from(const Exact& interval, double d) const {
     PacketMatrix x = for_nodes(to_node, d);
     PacketMatrix rates = equations_of_watched.product(n, x);
     for (const Kind& kind : inputs_) {
-      rates.columns(kind.n_orders > 1 ? kind.column(node) : kind.first_column, kind.count) +=
-          equations_of_watched.columns(n + kind.first, kind.count);
+      rates.add_columns(kind.n_orders > 1 ? kind.column(node) : kind.first_column, kind.count, 1.0,
+                        equations_of_watched, n + kind.first);
     }
     for (int c = 0; c < columns_; ++c) {
       for (int w = 0; w < n_watched; ++w) {

@@ -87,7 +87,7 @@ class Propagator {
 
   // Taylor's series: terms x^(i)/i!, one every `padded_states` numbers, the states first. It has
   // all digits for times shorter than the last rung.
-  static constexpr int n_terms = 12;
+  static constexpr int n_terms = 9;
   int padded_states() const { return equations_.padded_rows(); }
   void expand(const double* coefficients, double* terms) const;
   // Its sum after a time.
