@@ -15,6 +15,11 @@ double Cubic::operator()(double t) const {
   return c0_ + s * (c1_ + s * (c2_ + s * c3_));
 }
 
+double Cubic::slope(double t) const {
+  const double s = (t - t0_) / h_;
+  return (c1_ + s * (2.0 * c2_ + s * 3.0 * c3_)) / h_;
+}
+
 std::optional<double> Cubic::extremum(double curvature_sign) const {
   // c1 + 2 c2 s + 3 c3 s^2 = 0 with second derivative 2 c2 + 6 c3 s of the sign asked for.
   const double discriminant = c2_ * c2_ - 3.0 * c3_ * c1_;

@@ -23,6 +23,7 @@ class Cubic {
   Cubic(Sample a, Sample b);
 
   double operator()(double t) const;
+  double slope(double t) const;
   // The instant inside (a.t, b.t) where the cubic has its minimum or maximum, if it is there.
   std::optional<double> minimum() const { return extremum(+1.0); }
   std::optional<double> maximum() const { return extremum(-1.0); }

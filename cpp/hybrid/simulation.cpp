@@ -299,9 +299,14 @@ void Simulation::search_step(double stop) {
   if (!now_.event) return;
   if (first < t1 && !now_.time_event) {
     integrator_.evaluate(now_.step, first, now_.x.data());
-    now_.look = looks_[k];  // for its rates
+    // Rates that are good enough for the same instant.
+    const Look &a = looks_[k - 1], &b = looks_[k];
     now_.look.t = first;
     system_.indicators(first, now_.x.data(), now_.look.z.data());
+    for (int i = 0; i < system_.n_indicators(); ++i) {
+      const Cubic cubic({a.t, a.z[i], a.slope[i]}, {b.t, b.z[i], b.slope[i]});
+      now_.look.slope[i] = cubic.slope(first);
+    }
     integrator_.cut(now_.step, first, now_.x.data());
   }
   fold_in_simultaneous(looks_[k > 0 ? k - 1 : 0]);
@@ -392,10 +397,11 @@ std::optional<Sample> Simulation::dip(int indicator, const Sample& a, const Samp
 
 // Semantics 4: whatever else fires at the end of the step, or so soon that it is the same instant.
 void Simulation::fold_in_simultaneous(const Look& before) {
+  if (now_.look.is_glance) return;
   // Half as much again: what is left out here and found in the next step shall not be within four
   // units because of roundoff.
   const double instant = 1.5 * simultaneous(now_.step.t1);
-  for (const int i : near_) {
+  for (int i = 0; i < system_.n_indicators(); ++i) {
     const double z = now_.look.z[i];
     const double z_soon = z + std::min(0.0, now_.look.slope[i] * instant);
     if ((before.z[i] > 0.0 || z > 0.0) && z_soon <= 0.0 &&

@@ -57,6 +57,7 @@ ExponentialCollocation::ExponentialCollocation(hybrid::System& system, double re
       sensitivity_to_forcing_(blocks_.forcing().size()),
       sensitivity_to_remainder_(blocks_.remainder().size()),
       settled_(blocks_.size()),
+      no_slopes_(system.n_indicators(), 0.0),
       scratch_forcing_(blocks_.forcing().size()) {
   at_nodes_.forcing.resize(blocks_.forcing().size());
   at_nodes_.x.resize(system.n_states());
@@ -357,27 +358,16 @@ bool ExponentialCollocation::glance(const double* z0, const double* slope0, doub
                                     std::vector<int>& near) {
   view_.indicators(at_nodes_.t, at_nodes_.x.data(), at_nodes_.u.data(), at_nodes_.z.data());
   const std::span<const Abreast> at_nodes = at_nodes_.z;
+  if (slope0 == nullptr) slope0 = no_slopes_.data();
   const double third = interval_ / 3.0;
-  // Mostly all move by less than a third.
-  constexpr double little = 1.0 / 3.0;
-  Abreast room = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < at_nodes.size(); ++i) {
-    room = min(room, little * z0[i] - abs(at_nodes[i] - z0[i]));
-    z1[i] = at_nodes[i][input_degree - 1];
-  }
-  double room_at_begin = room.smallest();
-  if (slope0 != nullptr) {
-    const auto n = static_cast<Eigen::Index>(at_nodes.size());
-    const auto z = Eigen::ArrayXd::Map(z0, n), slope = Eigen::ArrayXd::Map(slope0, n);
-    room_at_begin = std::min(room_at_begin, (little * z - third * slope.abs()).minCoeff());
-  }
-  if (room_at_begin > 0.0) return true;
-
-  for (std::size_t i = 0; i < at_nodes.size(); ++i) {
-    const double soon = slope0 == nullptr ? z0[i] : z0[i] + third * slope0[i];
-    if (max(abs(at_nodes[i] - z0[i]), std::abs(soon - z0[i])).largest() < little * z0[i]) continue;
-    const double low = std::min({z0[i], soon, at_nodes[i].smallest()});
-    const double high = std::max({z0[i], soon, at_nodes[i].largest()});
+    const Abreast& z = at_nodes[i];
+    const double move = third * slope0[i];
+    z1[i] = z[input_degree - 1];
+    // Most move by less than a third, which is enough.
+    if (max(abs(z - z0[i]), std::abs(move)).largest() < 1.0 / 3.0 * z0[i]) continue;
+    const double low = std::min({z0[i], z0[i] + move, z.smallest()});
+    const double high = std::max({z0[i], z0[i] + move, z.largest()});
     if (!(low > high - low)) near.push_back(static_cast<int>(i));  // also if it is not a number
   }
   return true;

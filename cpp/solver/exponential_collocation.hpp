@@ -97,6 +97,7 @@ class ExponentialCollocation final : public hybrid::Integrator {
     Abreast t;
     std::vector<Abreast> forcing, x, dx, u, du, z, dz;
   } at_nodes_;
+  std::vector<double> no_slopes_;
   std::vector<double> scratch_forcing_;
   int n_looks_ = 0;
 

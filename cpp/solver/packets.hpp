@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <vector>
 
 #include "numbers/abreast.hpp"
 
@@ -23,7 +22,7 @@ class PacketMatrix {
   PacketMatrix() = default;
   // Of zeros.
   PacketMatrix(int rows, int columns)
-      : rows_(padded(rows)), columns_(columns), entries_(rows_ * columns_, 0.0) {}
+      : rows_(padded(rows)), columns_(columns), entries_(Eigen::ArrayXd::Zero(rows_ * columns_)) {}
   explicit PacketMatrix(const Eigen::MatrixXd& matrix)
       : PacketMatrix(static_cast<int>(matrix.rows()), static_cast<int>(matrix.cols())) {
     for (int c = 0; c < columns_; ++c) {
@@ -43,7 +42,7 @@ class PacketMatrix {
     }
   }
   PacketMatrix& operator*=(double times) {
-    for (double& entry : entries_) entry *= times;
+    entries_ *= times;
     return *this;
   }
 
@@ -64,7 +63,10 @@ class PacketMatrix {
   void product(const double* coefficients, double* y) const { product(columns_, coefficients, y); }
   // The first `count` columns times a matrix of so many rows.
   PacketMatrix product(int count, const PacketMatrix& matrix) const {
-    PacketMatrix result(rows_, matrix.columns_);
+    PacketMatrix result;
+    result.rows_ = rows_;
+    result.columns_ = matrix.columns_;
+    result.entries_.resize(rows_ * matrix.columns_);
     for (int c = 0; c < matrix.columns_; ++c) product(count, &matrix(0, c), &result(0, c));
     return result;
   }
@@ -148,7 +150,7 @@ class PacketMatrix {
 
   int rows_ = 0;
   int columns_ = 0;
-  std::vector<double> entries_;
+  Eigen::ArrayXd entries_;
 };
 
 }  // namespace manutec_r3::solver

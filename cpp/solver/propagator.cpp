@@ -89,10 +89,11 @@ Propagator::Propagator(hybrid::LinearBlock block) : block_(std::move(block)) {
 
   int rungs = 1;
   while (fastest_ * length(rungs - 1) > brief_enough && rungs < lowest_rung) ++rungs;
-  exact_.resize(rungs);
+  exact_.resize(n_above + rungs);
   exact_.back() = brief(length(rungs - 1));
-  for (int k = rungs - 2; k >= 0; --k) {
-    exact_[k] = sum_of(exact_[k + 1], length(k + 1), exact_[k + 1]);
+  double d = length(rungs - 1);
+  for (auto half = exact_.rbegin(); half + 1 != exact_.rend(); ++half, d *= 2.0) {
+    *(half + 1) = sum_of(*half, d, *half);
   }
 }
 
@@ -149,6 +150,10 @@ Propagator::Exact Propagator::sum_of(const Exact& first, double d, const Exact& 
   return both;
 }
 
+Propagator::Exact Propagator::on_ladder(int rung) const {
+  return rung < n_rungs() ? exact_[n_above + rung] : brief(length(rung));
+}
+
 Propagator::Exact Propagator::exact(double length) const {
   int doublings = 0;
   while (fastest_ * std::ldexp(length, -doublings) > brief_enough) ++doublings;
@@ -163,7 +168,7 @@ Propagator::Exact Propagator::exact(double length) const {
 // q!/d^q sum_l c_lq u_l. Constants are what they are, not values at node 0.
 PacketMatrix Propagator::for_nodes(const Exact& exact, double d) const {
   const auto& lagrange = lagrange_coefficients();
-  PacketMatrix result(n_states(), columns_);
+  PacketMatrix result(exact.padded_rows(), columns_);
   const int n_common = inputs_[1].first_column;
   result.add_columns(0, n_common, 1.0, exact, 0);
   for (const Kind& kind : {inputs_[1], inputs_[2]}) {
@@ -180,7 +185,7 @@ PacketMatrix Propagator::for_nodes(const Exact& exact, double d) const {
 
 void Propagator::advance(int rung, const double* coefficients, double* x) const {
   if (rung < n_rungs()) {
-    exact_[rung].product(coefficients, x);
+    exact_[n_above + rung].product(coefficients, x);
     return;
   }
   std::array<double, n_terms * most_states> terms;
@@ -232,52 +237,64 @@ const StepMatrices& Propagator::step(int rung) const {
   const std::lock_guard lock(making_);
   step = steps_[rung].load(std::memory_order_relaxed);
   if (step == nullptr) {
-    const Exact interval = rung < n_rungs() ? exact_[rung] : brief(length(rung));
-    step = new StepMatrices(step_from(interval, length(rung)));
+    step = new StepMatrices(
+        step_from(on_ladder(rung), on_ladder(rung - 1), on_ladder(rung - 2), length(rung)));
     steps_[rung].store(step, std::memory_order_release);
   }
   return *step;
 }
 
 StepMatrices Propagator::step_of(double interval) const {
-  return step_from(exact(interval), interval);
+  return step_from(exact(interval), exact(2 * interval), exact(4 * interval), interval);
 }
 
-StepMatrices Propagator::step_from(const Exact& interval, double d) const {
+StepMatrices Propagator::step_from(const Exact& one, const Exact& two, const Exact& four,
+                                   double d) const {
   const int n = n_states(), n_watched = static_cast<int>(block_.watched.size());
-  StepMatrices step;
-  step.watched = step.rates = PacketMatrix(input_degree * n_watched, columns_);
   PacketMatrix equations_of_watched(n_watched, n + n_inputs());
-  for (int w = 0; w < n_watched; ++w) {
-    for (int c = 0; c < n + n_inputs(); ++c) {
+  for (int c = 0; c < n + n_inputs(); ++c) {
+    for (int w = 0; w < n_watched; ++w) {
       equations_of_watched(w, c) = equations_(block_.watched[w], c);
     }
   }
-  Exact to_node = interval;
-  for (int node = 1; node < n_nodes; ++node) {
-    if (node > 1) to_node = sum_of(to_node, (node - 1) * d, interval);
-    PacketMatrix x = for_nodes(to_node, d);
-    PacketMatrix rates = equations_of_watched.product(n, x);
-    for (const Kind& kind : inputs_) {
-      rates.add_columns(kind.n_orders > 1 ? kind.column(node) : kind.first_column, kind.count, 1.0,
-                        equations_of_watched, n + kind.first);
-    }
+
+  // First what derivatives of inputs do.
+  const Exact three = sum_of(two, 2 * d, one);
+  PacketMatrix watched(input_degree * n_watched, columns_), rates = watched;
+  int k = 0;
+  for (const Exact* to_node : {&one, &two, &three, &four}) {
+    const PacketMatrix rates_at_node = equations_of_watched.product(n, *to_node);
     for (int c = 0; c < columns_; ++c) {
+      const double *x = &(*to_node)(0, c), *rate = &rates_at_node(0, c);
+      double *to_watched = &watched(k, c), *to_rates = &rates(k, c);
       for (int w = 0; w < n_watched; ++w) {
-        const int row = input_degree * w + node - 1;
-        step.watched(row, c) = x(block_.watched[w], c);
-        step.rates(row, c) = rates(w, c);
+        to_watched[input_degree * w] = x[block_.watched[w]];
+        to_rates[input_degree * w] = rate[w];
       }
     }
-    if (node == input_degree) step.end = std::move(x);
+    ++k;
+  }
+  StepMatrices step = {.watched = for_nodes(watched, d),
+                       .rates = for_nodes(rates, d),
+                       .end = for_nodes(four, d),
+                       .gains = {}};
+  for (const Kind& kind : inputs_) {
+    for (int node = 1; node < n_nodes; ++node) {
+      const int column = kind.n_orders > 1 ? kind.column(node) : kind.first_column;
+      for (int i = 0; i < kind.count; ++i) {
+        for (int w = 0; w < n_watched; ++w) {
+          step.rates(input_degree * w + node - 1, column + i) +=
+              equations_of_watched(w, n + kind.first + i);
+        }
+      }
+    }
   }
   const auto& [constants, forcing, remainder] = inputs_;
   step.gains.setZero(most_states, forcing.count + remainder.count);
   for (const Kind& kind : {forcing, remainder}) {
     for (int i = 0; i < kind.count; ++i) {
       for (int s = 0; s < n; ++s) {
-        step.gains(s, kind.first + i - constants.count) =
-            std::abs(to_node(s, kind.first_column + i));
+        step.gains(s, kind.first + i - constants.count) = std::abs(four(s, kind.first_column + i));
       }
     }
   }

@@ -81,7 +81,7 @@ class Propagator {
   StepMatrices step_of(double interval) const;
 
   // Below the last rung Taylor's series takes over.
-  int n_rungs() const { return static_cast<int>(exact_.size()); }
+  int n_rungs() const { return static_cast<int>(exact_.size()) - n_above; }
   // The states after a length of the ladder, for derivatives of inputs at the beginning.
   void advance(int rung, const double* coefficients, double* x) const;
 
@@ -105,19 +105,24 @@ class Propagator {
     int column(int order) const { return first_column + order * count; }
   };
 
+  // Of a step of the longest intervals.
+  static constexpr int n_above = 2;
+
   int n_inputs() const { return static_cast<int>(block_.B.cols()); }
+  Exact on_ladder(int rung) const;
   Exact brief(double length) const;
   Exact sum_of(const Exact& first, double length_of_first, const Exact& second) const;
   Exact exact(double length) const;
   PacketMatrix for_nodes(const Exact& exact, double interval) const;
-  StepMatrices step_from(const Exact& interval, double length) const;
+  StepMatrices step_from(const Exact& one, const Exact& two, const Exact& four,
+                         double length) const;
 
   hybrid::LinearBlock block_;
   std::array<Kind, 3> inputs_;  // constants, forcing, remainder
   int columns_;
   double fastest_;            // bound for the magnitudes of L's eigenvalues [1/s]
   PacketMatrix equations_;    // L and B
-  std::vector<Exact> exact_;  // on the ladder
+  std::vector<Exact> exact_;  // on the ladder, and two and four times its longest before
   mutable std::array<std::atomic<const StepMatrices*>, lowest_rung + 1> steps_{};
   mutable std::mutex making_;
 };

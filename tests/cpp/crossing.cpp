@@ -162,7 +162,10 @@ TEST(ACubicThatIsOneIsItself) {
   const auto z = [](double t) { return (t - 1.0) * (t - 2.0) * (t - 4.0); };
   const auto slope = [](double t) { return 3.0 * t * t - 14.0 * t + 14.0; };
   const Cubic cubic({0.0, z(0.0), slope(0.0)}, {5.0, z(5.0), slope(5.0)});
-  for (int k = 0; k <= 50; ++k) CHECK_NEAR(cubic(0.1 * k), z(0.1 * k), 1e-13);  // values to 12
+  for (int k = 0; k <= 50; ++k) {  // values to 12, slopes to 19
+    CHECK_NEAR(cubic(0.1 * k), z(0.1 * k), 1e-13);
+    CHECK_NEAR(cubic.slope(0.1 * k), slope(0.1 * k), 1e-13);
+  }
   CHECK(cubic.maximum() && cubic.minimum());
   CHECK_NEAR(*cubic.maximum(), (7.0 - std::sqrt(7.0)) / 3.0, 1e-14);
   CHECK_NEAR(*cubic.minimum(), (7.0 + std::sqrt(7.0)) / 3.0, 1e-14);
