@@ -18,13 +18,10 @@
 #include "robot/linear_drives.hpp"
 #include "robot/mode.hpp"
 #include "robot/robot_system.hpp"
+#include "robot/watch.hpp"
 #include "robot/zones.hpp"
 
 namespace manutec_r3::robot {
-
-// A rotor that creeps below the threshold counts as sticking; it is watched once its rate has
-// exceeded so many times the threshold, so never right after break-away (spec 8).
-inline constexpr double creep_armed = 10.0;
 
 inline constexpr double not_available = std::numeric_limits<double>::quiet_NaN();
 
@@ -37,8 +34,6 @@ template <int N, class Axes>
 class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
   using Indicators = robot::Indicators<N>;
   using Abreast = numbers::Abreast;
-  template <class Number>
-  using WatchedOf = typename Indicators::template WatchedOf<Number>;
 
  public:
   RobotSystemOf(std::shared_ptr<const Robot> robot, const Axes& axes, Inputs inputs)
@@ -48,7 +43,7 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
         electrical_(*robot_, equations_, mode_),
         friction_(*robot_, equations_, mode_),
         linear_drives_(*robot_, inputs_, equations_, mode_),
-        indicators_(creep_rate() > 0.0, std::isfinite(robot_->options().voltage_limit)) {
+        watch_(*robot_, equations_, mode_, electrical_, friction_, linear_drives_) {
     for (const StateGroup& group : robot_->states()) {
       nominals_.insert(nominals_.end(), group.nominals.begin(), group.nominals.end());
     }
@@ -56,14 +51,12 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
       sampling_time_ = table_1->sampling_time;
     }
     scratch_.resize(robot_->n_states());
-    x_soon_.resize(robot_->n_states());
-    x_abreast_.resize(robot_->n_states());
     freeze();
   }
 
   int n_axes() const override { return N; }
   int n_states() const override { return robot_->n_states(); }
-  int n_indicators() const override { return indicators_.size(); }
+  int n_indicators() const override { return watch_.n_indicators(); }
   std::span<const double> nominals() const override { return nominals_; }
   // A stiff spring that holds an axis has no damping: 5e5 rad/s.
   bool rings() const override { return robot_->options().stiction == Stiction::stiff_spring; }
@@ -80,24 +73,9 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
 
   // --- indicators -------------------------------------------------------------------------------
 
-  void indicators(double t, const double* x, double* z) override {
-    indicators_.evaluate(watched(t, x, friction_torque(t, x)), z);
-  }
-
+  void indicators(double t, const double* x, double* z) override { watch_.indicators(t, x, z); }
   void indicator_rates(double t, const double* x, const double* dx, double* rates) override {
-    PerAxis<N> held_rate = PerAxis<N>::Zero();
-    if (some_axis_sticks()) {
-      // Now and soon abreast.
-      Abreast times = t;
-      times[1] = t + soon;
-      for (int s = 0; s < n_states(); ++s) {
-        x_abreast_[s] = x[s];
-        x_abreast_[s][1] = x[s] + soon * dx[s];
-      }
-      const PerAxis<N, Abreast> held = friction_torque<Abreast>(times, x_abreast_.data());
-      for (int i = 0; i < N; ++i) held_rate[i] = (held[i][1] - held[i][0]) / soon;
-    }
-    indicators_.evaluate_rates(watched_rates<double>(t, x, dx, held_rate, x_soon_), rates);
+    watch_.rates(t, x, dx, rates);
   }
 
   hybrid::Element element_of(int indicator) const override {
@@ -117,7 +95,7 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
         {"creep", 1.0},             // [rad/s]
         {"voltage_limit", 10.0},    // [V]
     }};
-    return std::span(rows).first(indicators_.size() / (Indicators::n_edges * N));
+    return std::span(rows).first(n_indicators() / (Indicators::n_edges * N));
   }
 
   std::string describe(hybrid::Element element) const override {
@@ -214,26 +192,11 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
 
   // The remainder of what sticks is the friction that holds it.
   void indicators(const Abreast& t, const Abreast* x, const Abreast* u, Abreast* z) override {
-    PerAxis<N, Abreast> held = PerAxis<N, Abreast>::Zero();
-    if (some_axis_sticks()) {
-      held = equations_.torques(t, x).friction;
-      linear_drives_.read_held_friction(u, held);
-    }
-    indicators_.evaluate(watched(t, x, held), z);
+    watch_.indicators(t, x, u, z);
   }
-
   void indicator_rates(const Abreast& t, const Abreast* x, const Abreast* dx, const Abreast*,
                        const Abreast* du, Abreast* rates) override {
-    PerAxis<N, Abreast> held_rate = PerAxis<N, Abreast>::Zero();
-    if (some_axis_sticks()) {
-      state_soon(x, dx, n_states(), x_abreast_.data());
-      const Abreast* x_soon = x_abreast_.data();
-      held_rate =
-          (equations_.torques(t + soon, x_soon).friction - equations_.torques(t, x).friction) /
-          soon;
-      linear_drives_.read_held_friction(du, held_rate);
-    }
-    indicators_.evaluate_rates(watched_rates<Abreast>(t, x, dx, held_rate, x_abreast_), rates);
+    watch_.rates(t, x, dx, du, rates);
   }
   bool extends_beyond_events() const override { return linear_drives_.extends_beyond_events(); }
 
@@ -399,84 +362,6 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
 
   // --- crossings --------------------------------------------------------------------------------
 
-  // What indicators watch. `held` is the friction torque of axes that stick.
-  template <class Number>
-  WatchedOf<Number> watched(const Number& t, const Number* x,
-                            const PerAxis<N, Number>& held) const {
-    WatchedOf<Number> values;
-    electrical_.watch(t, x, values);
-    return watch_gears(x, held, values);
-  }
-
-  // How fast it changes along the derivatives dx.
-  template <class Number>
-  WatchedOf<Number> watched_rates(const Number& t, const Number* x, const Number* dx,
-                                  const PerAxis<N, Number>& held_rate,
-                                  std::span<Number> x_soon) const {
-    WatchedOf<Number> rates;
-    electrical_.watch_rates(t, x, dx, x_soon, rates);
-    return watch_gears(dx, held_rate, rates);  // linear in x
-  }
-
-  template <class Number>
-  WatchedOf<Number>& watch_gears(const Number* x, const PerAxis<N, Number>& held,
-                                 WatchedOf<Number>& values) const {
-    values[Indicators::of_backlash].setZero();
-    if (robot_->has_real_gears()) {
-      values[Indicators::of_backlash].template head<E>() = equations_.deflection(x);
-    }
-    const PerAxis<N, Number> rate = equations_.rotor_rate(x);
-    values[Indicators::of_friction] = slides_.select(rate, held);
-    values[Indicators::of_friction_piece] = rate;
-    values[Indicators::of_creep] = rate;
-    return values;
-  }
-
-  // The lines that indicators are on the present branches.
-  void set_indicators() {
-    indicators_.clear();
-    electrical_.set_indicators(indicators_);
-    slides_.setConstant(true);
-    if (!robot_->has_real_gears()) return;
-    for (int i = 0; i < E; ++i) {
-      if (!equations_.gear.has_backlash(i)) continue;
-      indicators_.set_zone(Indicators::of_backlash, i, branch(backlash, i), equations_.gear.b[i]);
-    }
-    for (int i = 0; i < N; ++i) {
-      if (friction_.has_friction(i)) set_indicators_of_friction(i);
-    }
-  }
-
-  void set_indicators_of_friction(int axis) {
-    const int direction = friction_.rotor_direction(axis);
-    slides_[axis] = direction != 0;
-    if (direction == 0) {
-      if (mode_.branch(Mode<N>::brake, axis)) return;
-      indicators_.set_zone(Indicators::of_friction, axis, 0, friction_.sticking_limit(axis));
-      return;
-    }
-    // The speed is the rate in the direction of sliding.
-    const auto set = [&](auto row, auto edge, double sign, double offset) {
-      indicators_.set(row, edge, axis, sign * direction, offset);
-    };
-    set(Indicators::of_friction, Indicators::upper, +1.0, 0.0);
-    const int piece = mode_.branch(Mode<N>::friction_piece, axis);
-    const double fastest = friction_.characteristic(axis).upper_end(piece);
-    const double slowest = friction_.characteristic(axis).lower_end(piece);
-    if (std::isfinite(fastest)) {
-      set(Indicators::of_friction_piece, Indicators::upper, -1.0, fastest);
-    }
-    if (std::isfinite(slowest)) {
-      set(Indicators::of_friction_piece, Indicators::lower, +1.0, -slowest);
-    }
-    if (!equations_.is_elastic(axis) || !(creep_rate() > 0.0)) return;
-    if (mode_.branch(Mode<N>::creep, axis) != 0) {
-      set(Indicators::of_creep, Indicators::upper, +1.0, -creep_rate());
-    } else {
-      set(Indicators::of_creep, Indicators::upper, -1.0, creep_armed * creep_rate());
-    }
-  }
-
   // An indicator has left its domain.
   void cross(int indicator, double* x, Occasion& occasion) {
     const auto [row, edge, i] = Indicators::place(indicator);
@@ -514,25 +399,6 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
     }
   }
 
-  bool some_axis_sticks() const {
-    if (!robot_->has_real_gears()) return false;
-    for (int i = 0; i < N; ++i) {
-      if (friction_.has_friction(i) && branch(friction, i) == 0) return true;
-    }
-    return false;
-  }
-
-  // rM, with the friction that holds sticking axes.
-  template <class Number>
-  PerAxis<N, Number> friction_torque(const Number& t, const Number* x) const {
-    for (int i = 0; i < N; ++i) {
-      if (equations_.sticking[i] && equations_.is_coupled(i)) {
-        return equations_.mechanics(t, x).torques.friction;
-      }
-    }
-    return equations_.torques(t, x).friction;
-  }
-
   // Coefficients and inputs of the equations, from the mode.
   void freeze() {
     electrical_.freeze();
@@ -548,7 +414,7 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
     equations_.input_piece = mode_.counter(Mode<N>::input_piece);
     equations_.force_piece = mode_.counter(Mode<N>::force_piece);
     linear_drives_.freeze();
-    set_indicators();
+    watch_.freeze();
   }
 
   std::shared_ptr<const Robot> robot_;
@@ -558,12 +424,10 @@ class RobotSystemOf final : public RobotSystem, public hybrid::LinearView {
   ElectricalSwitches<N, Axes> electrical_;
   FrictionDecision<N, Axes> friction_;
   LinearDrives<N, Axes> linear_drives_;
-  Indicators indicators_;
-  Eigen::Array<bool, N, 1> slides_;  // as opposed to what sticks
+  Watch<N, Axes> watch_;
   double sampling_time_ = 0.0;
   std::vector<double> nominals_;
-  std::vector<double> scratch_, x_soon_;
-  std::vector<Abreast> x_abreast_;
+  std::vector<double> scratch_;
 };
 
 }  // namespace manutec_r3::robot

@@ -110,9 +110,9 @@ double Propagator::length(int rung) {
   return lengths[rung];
 }
 
-// --- E and V -------------------------------------------------------------------------------------
+// --- F and V -------------------------------------------------------------------------------------
 
-// E = sum_i L^i d^i/i!,  V_q = sum_i L^i B d^(i+q+1)/(i+q+1)!
+// F = sum_{i > 0} L^i d^i/i!,  V_q = sum_i L^i B d^(i+q+1)/(i+q+1)!
 Propagator::Exact Propagator::brief(double d) const {
   const int n = n_states();
   Exact exact(n, columns_);
@@ -120,7 +120,7 @@ Propagator::Exact Propagator::brief(double d) const {
   for (int s = 0; s < n; ++s) term(s, s) = 1.0;
   term.add_columns(n, n_inputs(), d, equations_, n);
   for (int i = 0; i < n_terms; ++i) {
-    exact.add_columns(0, n, 1.0 / factorial(i), term, 0);
+    if (i > 0) exact.add_columns(0, n, 1.0 / factorial(i), term, 0);
     for (const Kind& kind : inputs_) {
       double power = 1.0;  // d^q
       for (int q = 0; q < kind.n_orders; ++q, power *= d) {
@@ -135,9 +135,11 @@ Propagator::Exact Propagator::brief(double d) const {
 }
 
 // One length after another, the first as long as given: because of tau = d + (tau - d),
-//   E = E_2 E_1,  V_q = E_2 V_1q + sum_{i <= q} V_2i d^(q-i)/(q-i)!
+//   1 + F = (1 + F_2) (1 + F_1),  V_q = (1 + F_2) V_1q + sum_{i <= q} V_2i d^(q-i)/(q-i)!
 Propagator::Exact Propagator::sum_of(const Exact& first, double d, const Exact& second) const {
   Exact both = second.product(n_states(), first);
+  both.add_columns(0, columns_, 1.0, first, 0);
+  both.add_columns(0, n_states(), 1.0, second, 0);
   for (const Kind& kind : inputs_) {
     for (int q = 0; q < kind.n_orders; ++q) {
       double power = 1.0;
@@ -185,7 +187,7 @@ PacketMatrix Propagator::for_nodes(const Exact& exact, double d) const {
 
 void Propagator::advance(int rung, const double* coefficients, double* x) const {
   if (rung < n_rungs()) {
-    exact_[n_above + rung].product(coefficients, x);
+    exact_[n_above + rung].add_product(0, columns_, coefficients, coefficients, x);
     return;
   }
   std::array<double, n_terms * most_states> terms;
@@ -263,12 +265,14 @@ StepMatrices Propagator::step_from(const Exact& one, const Exact& two, const Exa
   PacketMatrix watched(input_degree * n_watched, columns_), rates = watched;
   int k = 0;
   for (const Exact* to_node : {&one, &two, &three, &four}) {
-    const PacketMatrix rates_at_node = equations_of_watched.product(n, *to_node);
+    PacketMatrix rates_at_node = equations_of_watched.product(n, *to_node);
+    rates_at_node.add_columns(0, n, 1.0, equations_of_watched, 0);
+    for (int w = 0; w < n_watched; ++w) watched(input_degree * w + k, block_.watched[w]) = 1.0;
     for (int c = 0; c < columns_; ++c) {
       const double *x = &(*to_node)(0, c), *rate = &rates_at_node(0, c);
       double *to_watched = &watched(k, c), *to_rates = &rates(k, c);
       for (int w = 0; w < n_watched; ++w) {
-        to_watched[input_degree * w] = x[block_.watched[w]];
+        to_watched[input_degree * w] += x[block_.watched[w]];
         to_rates[input_degree * w] = rate[w];
       }
     }
@@ -278,6 +282,7 @@ StepMatrices Propagator::step_from(const Exact& one, const Exact& two, const Exa
                        .rates = for_nodes(rates, d),
                        .end = for_nodes(four, d),
                        .gains = {}};
+  for (int s = 0; s < n; ++s) step.end(s, s) += 1.0;
   for (const Kind& kind : inputs_) {
     for (int node = 1; node < n_nodes; ++node) {
       const int column = kind.n_orders > 1 ? kind.column(node) : kind.first_column;

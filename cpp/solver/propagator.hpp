@@ -1,9 +1,11 @@
 // The exact solution of a linear block (hybrid/linear_view.hpp) whose inputs are polynomials in
 // time:
 //
-//   x' = L x + B u,    x(d) = E x(0) + sum_q V_q u^(q)(0)
+//   x' = L x + B u,    x(d) = x(0) + F x(0) + sum_q V_q u^(q)(0)
 //
-//   E = exp(L d),      V_q = int_0^d exp(L (d - tau)) B tau^q/q! dtau
+//   F = exp(L d) - 1,  V_q = int_0^d exp(L (d - tau)) B tau^q/q! dtau
+//
+// (of exp(L d) itself, every doubling of d would double the roundoff of what is almost 1)
 //
 // for lengths d of a ladder, each half of the one above, and for steps of four such intervals with
 // inputs that are known at their five ends, the nodes.
@@ -94,7 +96,7 @@ class Propagator {
   void sum(const double* terms, double time, double* x) const;
 
  private:
-  // E and V_q side by side.
+  // F and V_q side by side.
   using Exact = PacketMatrix;
 
   // Inputs of one kind: how many, the first of them among all, and their first column.

@@ -56,6 +56,37 @@ double lag_after(double a, double t, int q) {
   return value;
 }
 
+// x' = -a x, which is slow, and y' = -b y + x, which is fast and makes the ladder long.
+hybrid::LinearBlock slow_and_fast(double a, double b) {
+  hybrid::LinearBlock block;
+  block.states = {0, 1};
+  block.watched = {0};
+  block.L.setZero(2, 2);
+  block.L << -a, 0, 1, -b;
+  block.B.setZero(2, 1);
+  block.n_constants = block.n_forcing = 0;
+  block.n_remainder = 1;
+  return block;
+}
+
+TEST(WhatHardlyMovesKeepsItsDigits) {
+  // A doubling of the length must not double the roundoff of what is almost 1.
+  for (const double a : {1e-3, 1.0, 10.0}) {
+    const Propagator propagator(slow_and_fast(a, 7e3));
+    CHECK(propagator.n_rungs() > 8);
+    std::vector<double> coefficients(propagator.columns(), 0.0);
+    coefficients[0] = 1.0;
+    solver::BlockState x{};
+    propagator.advance(0, coefficients.data(), x.data());
+    const double move = std::expm1(-a * Propagator::length(0));
+    CHECK_NEAR(x[0], 1.0 + move, 2e-16 + 1e-14 * std::abs(move));  // one rounding of x
+    solver::BlockState end{};
+    propagator.step(0).end.product(coefficients.data(), end.data());
+    CHECK_NEAR(end[0], 1.0 + std::expm1(-a * input_degree * Propagator::length(0)),
+               2e-16 + 1e-14 * std::abs(input_degree * move));
+  }
+}
+
 TEST(ALadderOfLengthsIsTheExponential) {
   for (const double a : {0.0, 3.0, 1e3, 3e4}) {
     const Propagator propagator(lag(a));
