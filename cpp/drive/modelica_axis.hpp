@@ -35,9 +35,9 @@ struct ModelicaPositionController {
       : r(first<N>(table.gear_ratio)), kp(first<N>(table.kp)) {}
 
   // The rotor rate that is asked for, u + w_m [rad/s].
-  template <class Number>
-  PerAxis<N, Number> command(const PerAxis<N, Number>& q_ref, const PerAxis<N, Number>& qd_ref,
-                             const PerAxis<N, Number>& phi_m) const {
+  template <class Angle, class Rate, class RotorAngle>
+  PerAxis<N, typename RotorAngle::Scalar> command(const Angle& q_ref, const Rate& qd_ref,
+                                                  const RotorAngle& phi_m) const {
     return r * qd_ref + kp * (r * q_ref - phi_m);
   }
 };

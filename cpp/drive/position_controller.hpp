@@ -18,9 +18,9 @@ struct PositionController {
       : p(first<N>(table.gear_ratio)), k_v(first<N>(table.K_V)), k_d(first<N>(table.K_D)) {}
 
   // The command u_c [V] to the rate controller.
-  template <class Number>
-  PerAxis<N, Number> command(const PerAxis<N, Number>& aq_d, const PerAxis<N, Number>& aqd_d,
-                             const PerAxis<N, Number>& rq) const {
+  template <class Angle, class Rate, class RotorAngle>
+  PerAxis<N, typename RotorAngle::Scalar> command(const Angle& aq_d, const Rate& aqd_d,
+                                                  const RotorAngle& rq) const {
     return k_v * (p * aq_d - rq) + k_d * (p * aqd_d);
   }
 };

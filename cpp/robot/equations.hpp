@@ -139,8 +139,8 @@ class Equations {
         values[N + i] = references[i].rate;
       }
     });
-    const PerAxis<N, Number> aq_d = desired.template head<N>(), aqd_d = desired.template tail<N>();
-    return axes.position_controller.command(aq_d, aqd_d, rq);
+    return axes.position_controller.command(desired.template head<N>(), desired.template tail<N>(),
+                                            rq);
   }
 
   // What comes from outside the rate controllers, or the motors if there are none: from the
@@ -376,6 +376,11 @@ class Equations {
   template <int n, class Number, class Function>
   static PerAxis<n, Number> at_each_instant(const Number& t, const Function& function) {
     constexpr int size = numbers::n_abreast<Number>;
+    if constexpr (size == 1) {
+      PerAxis<n> values;
+      function(t, values.data());
+      return values;
+    }
     std::array<double, size> instants;
     numbers::store(t, instants.data());
     Eigen::Array<double, size, n> values;
