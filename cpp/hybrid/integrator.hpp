@@ -69,17 +69,18 @@ class Integrator : public DenseOutput {
   // The latest step turns out to end at t already, in x.
   virtual void cut(Step& step, double t, const double* /*x*/) { step.t1 = t; }
 
-  // Instants inside the latest step, in order, at which it knows the solution for nothing. Gives
-  // the instant, the indicators there and their rates; to be asked for from the first to the last.
-  virtual int n_looks() const { return 0; }
-  virtual double look(int, double* /*z*/, double* /*slope*/) { return 0.0; }
-  // A glance at all of them, and whether there are any. Appends the indicators that may come near
-  // zero in the step; the others stay further from it than they move. They are z0 at the beginning,
-  // with the rates slope0 if these are known, and about z1 at the end.
+  // A glance at the latest step, and whether the integrator knows the solution at instants inside
+  // it for nothing. Appends the indicators that may come near zero in the step; the others stay
+  // further from it than they move. They are z0 at the beginning, with the rates slope0 if these
+  // are known, and about z1 at the end.
   virtual bool glance(const double* /*z0*/, const double* /*slope0*/, double* /*z1*/,
                       std::vector<int>& /*near*/) {
     return false;
   }
+  // After it, these instants one after the other. Gives the instant, the indicators there and their
+  // rates.
+  virtual int n_looks() const { return 0; }
+  virtual double look(int, double* /*z*/, double* /*slope*/) { return 0.0; }
 
   // The step size to try next, if nothing happens.
   virtual double next_size() const = 0;

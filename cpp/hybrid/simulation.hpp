@@ -90,7 +90,7 @@ class Simulation {
   // What the indicators show at an instant, and their rates along the solution.
   struct Look {
     double t = 0.0;
-    bool is_glance = false;  // far from zero: indicators are rough, rates are not known
+    bool is_glance = false;  // all are far from zero, and only about so; rates are not known
     Eigen::ArrayXd z, slope;
   };
 

@@ -212,7 +212,10 @@ double ExponentialCollocation::attempt() {
     const double contraction =
         sweeps == 0 ? interval_ / no_contraction : std::min(0.5, change / change_before);
     change_before = change;
-    if (change * contraction < settled_enough) return interpolation_error();
+    if (change * contraction < settled_enough) {
+      find_states();  // that belong to the latest remainders
+      return interpolation_error();
+    }
   }
   return std::numeric_limits<double>::infinity();
 }
@@ -352,8 +355,6 @@ double ExponentialCollocation::interpolation_error() const {
 
 // --- what others ask for -------------------------------------------------------------------------
 
-// The states at the nodes are those before the last sweep, which it has changed by less than the
-// tolerance.
 bool ExponentialCollocation::glance(const double* z0, const double* slope0, double* z1,
                                     std::vector<int>& near) {
   view_.indicators(at_nodes_.t, at_nodes_.x.data(), at_nodes_.u.data(), at_nodes_.z.data());
@@ -383,7 +384,6 @@ double ExponentialCollocation::look(int k, double* z, double* slope) {
 }
 
 void ExponentialCollocation::look_at_nodes() {
-  find_states();  // that belong to the latest remainders
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const Block& block = blocks_[b];
     matrices_[b]->rates.add_product_to(
@@ -399,7 +399,6 @@ void ExponentialCollocation::look_at_nodes() {
       at_nodes_.du[i] += coefficients_[input.at(l)] * Abreast::load(slopes.col(l).data());
     }
   }
-  view_.indicators(at_nodes_.t, at_nodes_.x.data(), at_nodes_.u.data(), at_nodes_.z.data());
   view_.indicator_rates(at_nodes_.t, at_nodes_.x.data(), at_nodes_.dx.data(), at_nodes_.u.data(),
                         at_nodes_.du.data(), at_nodes_.dz.data());
 }

@@ -61,7 +61,6 @@ class ExponentialCollocation final : public hybrid::Integrator {
   void prepare_states();
   void find_states();
   double sweep();
-  void find_indicators();
   void look_at_nodes();
   double interpolation_error() const;
   const double* remainder_at(double t, const double* x);

@@ -210,8 +210,13 @@ TEST(LooksInsideAStepShowTheIndicatorsThere) {
   integrator->restart(0.0, x.data(), 0.0);
   hybrid::Step step;
   for (int k = 0; k < 20; ++k) {
+    const std::vector<double> x0 = x;
     integrator->advance(k == 19 ? step.t1 + 3e-4 : hybrid::never, step, x.data());
     double before = step.t0;
+    std::array<double, 2> z0, z1;
+    std::vector<int> near;
+    system.indicators(step.t0, x0.data(), z0.data());
+    CHECK(integrator->glance(z0.data(), nullptr, z1.data(), near));
     CHECK(k == 19 || integrator->n_looks() == 4);
     for (int look = 0; look < integrator->n_looks(); ++look) {
       std::array<double, 2> z, slope, expected, expected_slope;
