@@ -67,6 +67,7 @@ inline void store(const Abreast& number, double* values) { number.store(values);
 
 }  // namespace manutec_r3::numbers
 
+// What Eigen wants to know about a kind of number: here, that it costs no more than a double.
 template <>
 struct Eigen::NumTraits<manutec_r3::numbers::Abreast>
     : Eigen::GenericNumTraits<manutec_r3::numbers::Abreast> {

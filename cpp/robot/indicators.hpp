@@ -28,7 +28,6 @@ class Indicators {
   };
   template <class Number>
   using WatchedOf = std::array<drive::PerAxis<N, Number>, n_rows>;
-  using Watched = WatchedOf<double>;
 
   enum Edge { upper, lower, n_edges };
 

@@ -53,9 +53,6 @@ class PacketMatrix {
     add_product_to(first, count, coefficients, y0,
                    [y](int p, const Abreast& sum) { sum.store(y + p * packet_size); });
   }
-  void add_product(int first, int count, const double* coefficients, double* y) const {
-    add_product(first, count, coefficients, y, y);
-  }
   // y = columns 0, 1, .. times `count` coefficients.
   void product(int count, const double* coefficients, double* y) const {
     add_product(0, count, coefficients, nullptr, y);
@@ -81,8 +78,8 @@ class PacketMatrix {
     for (; first_packet + most_at_once < packets; first_packet += most_at_once) {
       add_rows<most_at_once, 1>(A, first_packet, count, coefficients, y0, to);
     }
-    // A sum waits for the one before it: where few packets have many columns, even and odd ones are
-    // summed up apart.
+    // A sum waits for the one before it: where few packets have enough columns for it to pay, even
+    // and odd ones are summed up apart.
     const bool in_two_parts = count >= 8;
     switch (packets - first_packet) {
       case 1:

@@ -222,12 +222,13 @@ void Propagator::expand(const double* coefficients, double* terms) const {
 
 void Propagator::sum(const double* terms, double time, double* x) const {
   // Horner's rule, a packet of states at a time.
-  using Packet = Eigen::Array<double, packet_size, 1>;
   const int rows = padded_states();
   for (int row = 0; row < rows; row += packet_size) {
-    Packet sum = Packet::Map(terms + (n_terms - 1) * rows + row);
-    for (int i = n_terms - 2; i >= 0; --i) sum = sum * time + Packet::Map(terms + i * rows + row);
-    Packet::Map(x + row) = sum;
+    Abreast sum = Abreast::load(terms + (n_terms - 1) * rows + row);
+    for (int i = n_terms - 2; i >= 0; --i) {
+      sum = time * sum + Abreast::load(terms + i * rows + row);
+    }
+    sum.store(x + row);
   }
 }
 
